@@ -1,0 +1,42 @@
+// Ray casting on a facet model. Embree (float) finds the facet; the hit is recomputed in double on that
+// facet's plane, which removes Embree's range error of 0.25 um (60 degrees incidence, 100 to 500 mm) to 18 um
+// (grazing). The one place that includes Embree.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "geometry/facet_model.h"
+
+namespace trueblade {
+
+struct Ray {
+  Vec3 origin_mm;
+  Vec3 direction;  // unit
+};
+
+struct RayHit {
+  double range_mm;  // along the ray, double
+  std::uint32_t facet;
+  Vec3 normal;       // unit outward normal of the facet
+  Vec2 barycentric;  // weights of corner 1 and corner 2
+};
+
+class RayCaster {
+ public:
+  explicit RayCaster(const FacetModel& model);
+  ~RayCaster();
+  RayCaster(RayCaster&&) noexcept;
+  RayCaster& operator=(RayCaster&&) noexcept;
+
+  // First hit with min_range_mm <= range <= max_range_mm, from either side of a facet; nullopt: the ray
+  // misses. May be called from any number of threads.
+  std::optional<RayHit> first_hit(const Ray& ray, double min_range_mm, double max_range_mm) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace trueblade

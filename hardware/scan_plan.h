@@ -1,0 +1,41 @@
+// Scan plans: where the probe goes to cover one view of the part, and their execution through a driver.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geometry/scan_points.h"
+#include "hardware/lens.h"
+#include "hardware/machine_geometry.h"
+
+namespace trueblade {
+
+struct PlannedLine {
+  std::vector<AxisPositions> path;  // one sample at each position
+};
+
+struct ScanPlan {
+  std::string view;
+  double theta_rad = 0.0;
+  std::size_t columns = 0;  // positions across (fast direction), rows = lines: the organised grid of the view
+  std::vector<PlannedLine> lines;
+  std::vector<std::uint32_t> grid_index;  // per planned position in order, its cell row * columns + column
+
+  std::size_t point_count() const;
+};
+
+// One measured view: every sample in the order taken, with the grid cell it belongs to.
+struct ViewScan {
+  std::string view;
+  double theta_rad = 0.0;
+  std::size_t columns = 0, rows = 0;
+  std::vector<ProbeSample> samples;
+  std::vector<std::uint32_t> grid_index;
+  std::vector<std::uint32_t> usable;  // numbers of the samples that became points
+  ScanPoints points;                  // of the usable samples, MCS
+  double time_s = 0.0;                // on the machine's clock
+};
+
+}  // namespace trueblade
