@@ -28,7 +28,8 @@ struct FacetPoint {
 };
 
 // Closest point of the triangle (a, b, c) to `query`, by the Voronoi regions of its features (Ericson
-// 2005, 5.1.5); degenerate triangles are handled as segments or points.
+// 2005, 5.1.5). Degenerate triangles are handled as segments or points. A foot point that lies exactly on an
+// edge or a node belongs to the edge or the node.
 FacetPoint closest_point_on_facet(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& query);
 
 // The slow twin: every facet is tried. Exact; the reference that every search structure is tested against.

@@ -3,6 +3,7 @@
 // et al. 2011, Random123).
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string_view>
 
@@ -23,12 +24,15 @@ class Rng {
   Rng at(std::uint64_t index) const;
 
   std::uint64_t bits();  // 64 uniform bits
-  double uniform();      // in the open interval (0, 1), 53 bits
+  double uniform();      // in the open interval (0, 1): an odd multiple of 2^-53
   double normal();       // standard normal, by the inverse distribution function: one uniform, one deviate
   Vec3 normal_vector();  // three independent standard normals
 
  private:
+  // Philox key (seed, trial), counter (index / 4, stream, 0, 0); the draw is word index % 4 of its block.
   std::uint64_t seed_, trial_, stream_, index_ = 0;
+  std::array<std::uint64_t, 4> block_{};
+  bool block_drawn_ = false;  // block_ holds the words of block index_ / 4, unless index_ % 4 is 0
 };
 
 // Inverse of the standard normal distribution function, relative error below 1e-15 (Wichura 1988, algorithm
