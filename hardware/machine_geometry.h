@@ -4,9 +4,9 @@
 //
 //   stage  the machine base. The linear axes move the probe in it; the rotary axis stands in it.
 //   probe  the conoscopic sensor: its origin is the point from which distances count, its beam leaves along
-//   `beam_direction`. mcs    the measurement coordinate system turns with the rotary table and equals `stage`
-//   at theta = 0, so that one
-//          preliminary part_from_mcs serves all views, and views can be compared.
+//          `beam_direction`.
+//   mcs    the measurement coordinate system turns with the rotary table and equals `stage` at theta = 0, so
+//          that one preliminary part_from_mcs serves all views, and views can be compared.
 #pragma once
 
 #include <array>
@@ -17,7 +17,12 @@
 
 namespace trueblade {
 
+enum class LinearAxis : std::uint8_t { x, y, z };
+
 struct MachineGeometry {
+  // Which stage carries which, from the machine base to the probe. The nominal chain does not depend on it
+  // (translations commute); the angular errors of a stage act on what it carries.
+  std::array<LinearAxis, 3> linear_axis_order{LinearAxis::x, LinearAxis::y, LinearAxis::z};
   // Directions in which the probe moves when x, y, z increase; unit vectors in `stage`.
   std::array<Vec3, 3> axis_direction{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
   // The probe frame in `stage` with x = y = z = 0 (mount).
@@ -28,7 +33,8 @@ struct MachineGeometry {
   Vec3 rotary_axis_point_mm = Vec3::Zero();
   Vec3 rotary_axis_direction = Vec3::UnitZ();
 
-  void validate() const;  // throws InputError: unit directions, independent axes
+  // Throws InputError: unit directions, independent axes, every linear axis once in the order.
+  void validate() const;
 };
 
 // The probe frame in `stage` at the given axes.

@@ -1,8 +1,8 @@
-// Scan plans: where the probe goes to cover one view of the part, and their execution through a driver.
+// Scan plans and what comes of them: where the probe goes to cover one view of the part, and the samples it
+// brings back. plan_view.h makes a plan, execute_plan.h carries it out, scan_file.h keeps the result.
 #pragma once
 
-#include <functional>
-#include <optional>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,8 +19,8 @@ struct PlannedLine {
 struct ScanPlan {
   std::string view;
   double theta_rad = 0.0;
-  std::size_t columns = 0;  // positions across (fast direction), rows = lines: the organised grid of the view
-  std::vector<PlannedLine> lines;
+  std::size_t columns = 0, rows = 0;      // the organised grid of the view; columns run in the fast direction
+  std::vector<PlannedLine> lines;         // rows without a visible surface have none
   std::vector<std::uint32_t> grid_index;  // per planned position in order, its cell row * columns + column
 
   std::size_t point_count() const;
@@ -36,6 +36,7 @@ struct ViewScan {
   std::vector<std::uint32_t> usable;  // numbers of the samples that became points
   ScanPoints points;                  // of the usable samples, MCS
   double time_s = 0.0;                // on the machine's clock
+  bool complete = false;              // false: interrupted, the samples end early
 };
 
 }  // namespace trueblade
