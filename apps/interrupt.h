@@ -1,0 +1,10 @@
+// Ctrl-C (SIGINT) and SIGTERM end the work at the next sample or step, and what is finished is kept. A second
+// Ctrl-C ends the program at once.
+#pragma once
+
+namespace trueblade {
+
+void catch_interrupts();
+bool interrupted();
+
+}  // namespace trueblade

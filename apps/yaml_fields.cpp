@@ -1,0 +1,204 @@
+#include "apps/yaml_fields.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "apps/nearest_word.h"
+
+namespace trueblade {
+
+NumberConstraint any_number() {
+  return {[](double) { return true; }, "finite"};
+}
+NumberConstraint above(double bound) {
+  return {[bound](double value) { return value > bound; }, fmt::format("above {}", bound)};
+}
+NumberConstraint at_least(double bound) {
+  return {[bound](double value) { return value >= bound; }, fmt::format("at least {}", bound)};
+}
+NumberConstraint between(double low, double high) {
+  return {[low, high](double value) { return value >= low && value <= high; },
+          fmt::format("from {} to {}", low, high)};
+}
+
+std::string number_text(double value) {
+  return fmt::format("{}", value);
+}
+
+double radians_from_degrees(double degrees) {
+  return degrees * (std::numbers::pi / 180.0);
+}
+
+std::string degrees_text(double radians) {
+  const double degrees = radians * (180.0 / std::numbers::pi);
+  // 15 digits are what a person wrote; they come first so that 0.2 stays 0.2.
+  const double short_degrees = std::stod(fmt::format("{:.15g}", degrees));
+  if (radians_from_degrees(short_degrees) == radians) return number_text(short_degrees);
+  // The product above and its inverse round once each: the exact partner lies within two neighbours.
+  double candidate = std::nextafter(std::nextafter(degrees, -INFINITY), -INFINITY);
+  for (int neighbour = 0; neighbour < 5; ++neighbour) {
+    if (radians_from_degrees(candidate) == radians) return number_text(candidate);
+    candidate = std::nextafter(candidate, INFINITY);
+  }
+  return number_text(degrees);
+}
+
+namespace {
+
+std::string_view without_unit(std::string_view name) {
+  for (const std::string_view unit : {"_deg", "_rad"})
+    if (name.ends_with(unit)) return name.substr(0, name.size() - unit.size());
+  return name;
+}
+
+template <class Integer>
+std::optional<Integer> parse_integer(const std::string& text) {
+  Integer value{};
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+void YamlFields::check(const std::function<void()>& validate) const {
+  try {
+    validate();
+  } catch (const InputError& failure) {
+    const std::string message = failure.what();
+    // The libraries speak of fields in radians; the key in the file is in degrees.
+    const std::string field = message.substr(0, message.find_first_of(" :"));
+    throw error(std::string(without_unit(field)), message);
+  }
+}
+
+double YamlFields::parse(std::string_view key, const std::string& text,
+                         const NumberConstraint& constraint) const {
+  double value = 0.0;
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  const auto [end, failure] = std::from_chars(first, last, value);
+  if (failure != std::errc() || end != last || !std::isfinite(value))
+    throw error(key, fmt::format("{} is \"{}\", must be a finite number", key, text));
+  if (!constraint.holds(value))
+    throw error(key, fmt::format("{} is {}, must be {}", key, text, constraint.words));
+  return value;
+}
+
+void YamlFields::number(std::string_view key, double& value, const NumberConstraint& constraint) {
+  std::string text = number_text(value);
+  if (scalar(key, text) && reading()) value = parse(key, text, constraint);
+}
+
+void YamlFields::number(std::string_view key, std::optional<double>& value,
+                        const NumberConstraint& constraint) {
+  if (!reading() && !value) return;
+  std::string text = number_text(value.value_or(0.0));
+  if (scalar(key, text) && reading()) value = parse(key, text, constraint);
+}
+
+void YamlFields::angle(std::string_view key, double& value_rad, const NumberConstraint& constraint) {
+  std::string text = degrees_text(value_rad);
+  if (scalar(key, text) && reading()) value_rad = radians_from_degrees(parse(key, text, constraint));
+}
+
+void YamlFields::integer(std::string_view key, std::uint64_t& value, std::uint64_t least,
+                         std::uint64_t most) {
+  std::string text = fmt::format("{}", value);
+  if (!scalar(key, text) || !reading()) return;
+  const auto parsed = parse_integer<std::uint64_t>(text);
+  if (!parsed || *parsed < least || *parsed > most)
+    throw error(key, fmt::format("{} is {}, must be a whole number from {} to {}", key, text, least, most));
+  value = *parsed;
+}
+
+void YamlFields::integer(std::string_view key, int& value, int least, int most) {
+  std::string text = fmt::format("{}", value);
+  if (!scalar(key, text) || !reading()) return;
+  const auto parsed = parse_integer<int>(text);
+  if (!parsed || *parsed < least || *parsed > most)
+    throw error(key, fmt::format("{} is {}, must be a whole number from {} to {}", key, text, least, most));
+  value = *parsed;
+}
+
+void YamlFields::flag(std::string_view key, bool& value) {
+  std::string text = value ? "true" : "false";
+  if (!scalar(key, text) || !reading()) return;
+  if (text != "true" && text != "false")
+    throw error(key, fmt::format("{} is \"{}\", must be true or false", key, text));
+  value = text == "true";
+}
+
+void YamlFields::text(std::string_view key, std::string& value) {
+  scalar(key, value);
+}
+
+bool YamlFields::numbers(std::string_view key, std::span<double> values) {
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(number_text(value));
+  if (!scalars(key, texts) || !reading()) return false;
+  if (texts.size() != values.size())
+    throw error(key, fmt::format("{} has {} numbers, must have {}", key, texts.size(), values.size()));
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = parse(key, texts[i], any_number());
+  return true;
+}
+
+void YamlFields::vector(std::string_view key, Vec3& value) {
+  numbers(key, {value.data(), 3});
+}
+
+void YamlFields::angles(std::string_view key, Vec3& value_rad) {
+  std::vector<std::string> texts;
+  for (const double radians : value_rad) texts.push_back(degrees_text(radians));
+  if (!scalars(key, texts) || !reading()) return;
+  if (texts.size() != 3) throw error(key, fmt::format("{} has {} numbers, must have 3", key, texts.size()));
+  for (int i = 0; i < 3; ++i)
+    value_rad[i] = radians_from_degrees(parse(key, texts[static_cast<std::size_t>(i)], any_number()));
+}
+
+void YamlFields::interval(std::string_view key, std::optional<std::pair<double, double>>& value) {
+  if (!reading() && !value) return;
+  std::array<double, 2> ends{};
+  if (value) ends = {value->first, value->second};
+  if (!numbers(key, ends)) return;
+  if (ends[0] > ends[1])
+    throw error(key, fmt::format("{} is [{}, {}], must be [low, high]", key, ends[0], ends[1]));
+  value = {ends[0], ends[1]};
+}
+
+void YamlFields::texts(std::string_view key, std::vector<std::string>& values) {
+  scalars(key, values);
+}
+
+void YamlFields::pose(std::string_view key, RigidTransform& target_from_source) {
+  map(key, [&](YamlFields& io) {
+    const Eigen::Quaterniond& rotation = target_from_source.rotation;
+    std::array<double, 4> wxyz{rotation.w(), rotation.x(), rotation.y(), rotation.z()};
+    if (io.numbers("rotation_wxyz", wxyz)) {
+      const Eigen::Quaterniond given(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
+      // 1e-3 forgives numbers rounded to four digits; a larger departure is not a rotation.
+      if (std::abs(given.norm() - 1.0) > 1e-3)
+        throw io.error("rotation_wxyz",
+                       fmt::format("rotation_wxyz has length {}, must be a unit quaternion", given.norm()));
+      // Numbers that are unit to rounding stay as they are, so that a written pose reads back to itself.
+      const bool unit_to_rounding = std::abs(given.squaredNorm() - 1.0) < 1e-14;
+      target_from_source.rotation = unit_to_rounding ? given : given.normalized();
+    }
+    io.vector("translation_mm", target_from_source.translation_mm);
+  });
+}
+
+void YamlFields::fail_choice(std::string_view key, const std::string& text,
+                             const std::vector<std::string>& valid) const {
+  const auto nearest = nearest_word(text, valid);
+  throw error(key, fmt::format("{} is \"{}\", {}must be one of {}", key, text,
+                               nearest ? fmt::format("did you mean \"{}\"? It ", *nearest) : "",
+                               fmt::join(valid, ", ")));
+}
+
+}  // namespace trueblade
