@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "geometry/triangle.h"
+
 namespace trueblade {
 namespace {
 
@@ -18,21 +20,12 @@ FacetPoint closest_point_on_edge(int k, const Vec3& from, const Vec3& to, const 
   return {from + along * (reach / length_squared), kEdges[k]};
 }
 
-// Twice the area times the unit normal, from the two shortest edges: they lose the least to cancellation in a
-// thin triangle (its error is an ulp of their product, not of the long edges').
-Vec3 area_vector(const Vec3& ab, const Vec3& bc, const Vec3& ca) {
-  const double ab2 = ab.squaredNorm(), bc2 = bc.squaredNorm(), ca2 = ca.squaredNorm();
-  if (ab2 >= bc2 && ab2 >= ca2) return bc.cross(ca);
-  if (bc2 >= ca2) return ca.cross(ab);
-  return ab.cross(bc);
-}
-
 }  // namespace
 
 FacetPoint closest_point_on_facet(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& query) {
   const Vec3 corners[] = {a, b, c};
   const Vec3 edges[] = {b - a, c - b, a - c};
-  const Vec3 area = area_vector(edges[0], edges[1], edges[2]);
+  const Vec3 area = triangle_area_vector(a, b, c);
   const double area_squared = area.squaredNorm();
 
   // A triangle of height h over its longest edge L has a normal that is uncertain by about eps L / h. Below h

@@ -37,11 +37,11 @@ struct FacetModelReport {
   std::size_t duplicate_removed = 0;   // facets with the same three nodes as an earlier one
   std::size_t unused_nodes_removed = 0;
   std::size_t boundary_edges = 0;      // edges with one facet
-  std::size_t holes = 0;               // closed loops of boundary edges
+  std::size_t holes = 0;               // closed loops of boundary edges; an open sheet's rim is one
   std::size_t non_manifold_edges = 0;  // edges with three or more facets
   std::size_t inconsistent_edges =
       0;                   // edges whose two facets run in the same direction (orientation disagrees)
-  std::size_t shells = 0;  // connected components
+  std::size_t shells = 0;  // components connected through edges
   bool closed = false;     // no boundary, non-manifold or inconsistent edge
 };
 
@@ -64,6 +64,10 @@ class FacetModel {
   std::uint32_t surface_of(std::uint32_t facet) const { return surface_of_facet_[facet]; }
   Vec3 facet_normal(std::uint32_t facet) const;  // unit, outward
 
+  // Nodes that were doubled because no two-manifold joins their facets lie at one place: the number of that
+  // place, from 0, the same for all of them. Equal to `node` where nothing was doubled.
+  std::uint32_t welded_node(std::uint32_t node) const { return welded_node_[node]; }
+
   // Neighbour iteration (Table 1) through OpenMesh circulators; vertex/face handle idx() are node/facet
   // numbers.
   const FacetMesh& mesh() const { return mesh_; }
@@ -79,6 +83,7 @@ class FacetModel {
   std::vector<std::array<std::uint32_t, 3>>
       facets_;  // the mesh's own connectivity, flat for the search structures
   std::vector<std::uint32_t> surface_of_facet_;
+  std::vector<std::uint32_t> welded_node_;
 };
 
 struct FacetModelBuild {
@@ -87,10 +92,14 @@ struct FacetModelBuild {
   FacetModelReport report;
 };
 
-// Welds nodes closer than `weld_tolerance_mm` (0: only exactly equal ones), removes degenerate and duplicate
-// facets, and connects the rest. Where facets meet in a way that no two-manifold allows, the nodes there are
-// doubled so that every facet is kept; the report counts such edges. Facet numbers follow the soup's order.
-// Throws InputError when a coordinate is not finite, a node number is out of range, or no facet is left.
+// Welds nodes that lie within `weld_tolerance_mm` of an earlier node that kept its place (0: only equal ones;
+// see weld_nodes.h), removes degenerate and duplicate facets, and connects the rest. A facet has zero area
+// when its height is below four ulps of its coordinates. Where facets meet in a way that no oriented
+// two-manifold allows (edges with three facets, edges whose facets disagree, fans that touch in a node), the
+// nodes there are doubled so that every facet is kept; the report counts on the welded nodes, before
+// doubling. Facet numbers follow the soup's order; so do node numbers, with the doubles at the end. Cost n
+// log n. Throws InputError when a coordinate is not finite or beyond 1e9 mm, a node number is out of range,
+// the tolerance is negative, surface_of_facet has another length than facets, or no facet is left.
 FacetModelBuild build_facet_model(const FacetSoup& soup, double weld_tolerance_mm);
 
 }  // namespace trueblade
