@@ -1,0 +1,86 @@
+#include "sim/sensor_model.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/error.h"
+
+namespace trueblade {
+namespace {
+
+void require_within(const char* name, double value, double low, double high) {
+  if (!(value >= low && value <= high))
+    throw InputError(fmt::format("sensor: {} is {}, must be within {} and {}", name, value, low, high));
+}
+
+}  // namespace
+
+SurfaceFinish matt_finish() {
+  return {.specular_share = 0.0, .lobe_exponent = 1.0};
+}
+SurfaceFinish ground_finish() {
+  return {.specular_share = 0.5, .lobe_exponent = 20.0};
+}
+SurfaceFinish polished_finish() {
+  return {.specular_share = 0.9, .lobe_exponent = 200.0};
+}
+
+void SensorModel::validate() const {
+  require_within("specular_share", finish.specular_share, 0.0, 1.0);
+  require_within("lobe_exponent", finish.lobe_exponent, 1.0, 1e6);
+  require_within("noise_scale", noise_scale, 0.0, 1e6);
+  require_within("noise_to_signal", noise_to_signal, 0.0, 1e3);
+  require_within("range_falloff", range_falloff, 0.0, 1.0);
+  require_within("speckle", speckle, 0.0, 3.0);
+  require_within("spot_noise", spot_noise, 0.0, 1.0);
+  require_within("low_signal_snr", low_signal_snr, 0.0, 1.0);
+  require_within("missed_snr", missed_snr, 0.0, low_signal_snr);
+}
+
+double finish_signal(const SurfaceFinish& finish, double incidence_rad) {
+  const double diffuse = std::max(0.0, std::cos(incidence_rad));
+  if (finish.specular_share == 0.0) return diffuse;
+  const double lobe = std::pow(std::max(0.0, std::cos(2.0 * incidence_rad)), finish.lobe_exponent);
+  return (1.0 - finish.specular_share) * diffuse + finish.specular_share * lobe;
+}
+
+double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm, double incidence_rad) {
+  const double place = 2.0 * offset_mm / lens.working_range_mm;
+  const double in_range = std::max(0.0, 1.0 - model.range_falloff * place * place);
+  return finish_signal(model.finish, incidence_rad) * in_range;
+}
+
+double signal_to_noise(const SensorModel& model, double signal) {
+  return signal > 0.0 ? signal / (signal + model.noise_to_signal) : 0.0;
+}
+
+double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_rad) {
+  const double detector_mm = lens.accuracy_mm / signal;
+  const double spot_mm = model.spot_noise * lens.spot_diameter_mm * std::tan(incidence_rad);
+  return model.noise_scale * std::hypot(detector_mm, spot_mm);
+}
+
+SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
+                          double incidence_rad, double speckle_deviate, double noise_deviate) {
+  SensorReading reading{};
+  const double offset_mm = true_range_mm - lens.standoff_mm;
+  if (std::abs(offset_mm) > 0.5 * lens.working_range_mm) {
+    reading.flags.out_of_range = true;
+    return reading;
+  }
+  const double signal = mean_signal(model, lens, offset_mm, incidence_rad) *
+                        std::exp(model.speckle * (speckle_deviate + model.speckle));
+  reading.snr = signal_to_noise(model, signal);
+  if (incidence_rad > lens.max_incidence_rad || signal <= 0.0 || reading.snr < model.missed_snr) {
+    reading.snr = 0.0;
+    reading.flags.missed = true;
+    return reading;
+  }
+  reading.flags.low_signal = reading.snr < model.low_signal_snr;
+  reading.distance_mm = true_range_mm + noise_deviate * distance_sigma_mm(model, lens, signal, incidence_rad);
+  return reading;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,71 @@
+// The conoscopic point sensor: what distance, SNR and flags it reports for a true range and incidence.
+//
+// The returned signal, relative to a matt surface at normal incidence in the middle of the working range, is
+//
+//   signal = finish(incidence) * (1 - range_falloff * u^2) * exp(speckle * xi + speckle^2)
+//   finish = (1 - specular_share) cos(incidence) + specular_share * max(0, cos(2 incidence))^lobe_exponent
+//
+// with u in [-1, 1] the place in the working range and xi a standard normal deviate per point (speckle). The
+// light returns along the beam, so that the specular lobe is left at twice the incidence. From the signal
+// follow
+//
+//   SNR   = signal / (signal + noise_to_signal)
+//   sigma = noise_scale * sqrt((accuracy / signal)^2 + (spot_noise * spot diameter * tan(incidence))^2)
+//
+// A detector-limited sensor has sigma inversely proportional to its signal, so that the SNR tells how good a
+// point is, and weights made of it are worth having. The constant in exp() makes the root mean square of the
+// distance error equal to the lens's accuracy at normal incidence in the middle of the range. These are
+// stated assumptions of ours, not data of a maker; docs/machine.md plots them.
+#pragma once
+
+#include <cstdint>
+
+#include "hardware/lens.h"
+#include "hardware/machine_driver.h"
+
+namespace trueblade {
+
+struct SurfaceFinish {
+  double specular_share = 0.0;  // of the signal at normal incidence, 0 to 1
+  double lobe_exponent = 1.0;   // sharpness of the specular lobe
+};
+SurfaceFinish matt_finish();      // sprayed or blasted: no lobe
+SurfaceFinish ground_finish();    // half of the light in a wide lobe
+SurfaceFinish polished_finish();  // nine tenths in a narrow lobe
+
+struct SensorModel {
+  SurfaceFinish finish;
+  double noise_scale = 1.0;      // 0: a sensor without distance noise
+  double noise_to_signal = 0.1;  // SNR is 0.91 at the best place
+  double range_falloff = 0.3;    // of the signal at both ends of the working range
+  double speckle = 0.2;          // standard deviation of the signal's logarithm
+  double spot_noise = 0.05;      // distance noise per spot diameter of depth under the spot
+  double low_signal_snr = 0.5;   // below: flagged low_signal
+  double missed_snr = 0.1;       // below: no return
+
+  void validate() const;  // throws InputError naming the value and the constraint
+};
+
+// The share of the signal that the surface finish sends back at this incidence; 1 at normal incidence.
+double finish_signal(const SurfaceFinish& finish, double incidence_rad);
+
+// Relative signal without speckle; `offset_mm`: true range minus standoff. Never negative.
+double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm, double incidence_rad);
+
+// SNR at a relative signal.
+double signal_to_noise(const SensorModel& model, double signal);
+
+// Standard deviation of the distance at a relative signal.
+double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_rad);
+
+struct SensorReading {
+  double distance_mm;
+  double snr;
+  ProbeFlags flags;
+};
+
+// One reading; `speckle_deviate` and `noise_deviate` are independent standard normal numbers.
+SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
+                          double incidence_rad, double speckle_deviate, double noise_deviate);
+
+}  // namespace trueblade

@@ -1,0 +1,95 @@
+// The simulated backend: a four-axis machine whose true geometry, part and sensor are known to the simulation
+// alone. What leaves it through the driver is what encoders and sensor would report.
+//
+// Every sample is a pure function of (seed, trial, number of its view, line and point): threads and the order
+// in which samples are computed do not matter.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "hardware/axis_dynamics.h"
+#include "hardware/machine_driver.h"
+#include "hardware/machine_geometry.h"
+#include "part/part.h"
+#include "sim/machine_errors.h"
+#include "sim/sensor_model.h"
+
+namespace trueblade {
+
+// The part that really stands on the machine.
+struct VirtualPart {
+  std::shared_ptr<const FacetModel> model;  // PCS
+  std::shared_ptr<const RayCaster> caster;  // on `model`
+};
+
+struct VirtualSetup {
+  MachineGeometry geometry;  // nominal
+  AxisLimits limits{{-500.0, -500.0, -500.0, -100.0}, {500.0, 500.0, 500.0, 100.0}};
+  AxisDynamics dynamics;
+  Lens lens;
+  RigidTransform part_from_mcs;     // where the part would be without fixture errors (preliminary)
+  RigidTransform mcs_from_fixture;  // the frame in which the fixture's errors act
+  MachineErrors errors;
+  SensorModel sensor;
+  std::uint64_t seed = 0;
+  std::uint64_t trial = 0;
+
+  void validate() const;  // throws InputError
+};
+
+// What truly happened at one sample.
+struct TrueHit {
+  std::uint32_t facet;  // of the virtual part
+  Vec3 point_pcs_mm;    // where the beam met the part, in the part's own frame
+  double range_mm;      // true
+  double incidence_rad;
+};
+
+// For evaluating experiments only; the program that measures never sees it.
+struct SimulationTruth {
+  RigidTransform part_from_mcs;              // true, of the view measured last
+  std::vector<std::optional<TrueHit>> hits;  // per sample; nullopt: the beam met nothing
+};
+
+class SimulatedMachine final : public MachineDriver {
+ public:
+  // Throws InputError when the set-up is not valid.
+  SimulatedMachine(VirtualPart part, VirtualSetup setup);
+
+  void connect() override;
+  void home() override;
+  void move_to(const AxisPositions& target) override;
+  ProbeSample measure_point() override;
+  std::size_t scan_line(std::span<const AxisPositions> path, const SampleSink& sink) override;
+  void stop() noexcept override;
+  MachineState state() const override { return state_; }
+  AxisLimits limits() const override { return setup_.limits; }
+
+  // The truth of the samples taken since the last call (or since construction), in the order taken. Call it
+  // once after each view.
+  SimulationTruth take_truth();
+
+ private:
+  struct Measured {
+    ProbeSample sample;
+    std::optional<TrueHit> truth;
+  };
+  void require_ready() const;
+  void require_within_limits(const AxisPositions& target) const;
+  Measured measure(const AxisPositions& encoders, const AxisPositions& velocity_per_s, double time_s,
+                   std::uint64_t point) const;
+
+  VirtualPart part_;
+  VirtualSetup setup_;
+  std::atomic<MachineState> state_{MachineState::disconnected};
+  AxisPositions at_;
+  double clock_s_ = 0.0;
+  std::uint64_t view_ = 0, line_ = 0, point_ = 0;  // running numbers: the keys of the draws
+  ErrorValues errors_;                             // of the present set-up, view and line
+  std::vector<std::optional<TrueHit>> hits_;
+};
+
+}  // namespace trueblade

@@ -1,0 +1,109 @@
+#include "sim/true_geometry.h"
+
+namespace trueblade {
+namespace {
+
+using enum ErrorSource;
+
+struct AxisErrorSources {
+  ErrorSource x, y, z, a, b, c;
+};
+
+constexpr std::array<AxisErrorSources, 3> kLinearAxisErrors{
+    {{exx, eyx, ezx, eax, ebx, ecx}, {exy, eyy, ezy, eay, eby, ecy}, {exz, eyz, ezz, eaz, ebz, ecz}}};
+
+Vec3 values_of(const ErrorValues& errors, ErrorSource x, ErrorSource y, ErrorSource z) {
+  return {errors[x], errors[y], errors[z]};
+}
+
+// A small motion given along and about the columns of `directions`.
+RigidTransform small_motion(const Mat3& directions, const Vec3& shift_mm, const Vec3& rotation_rad) {
+  RigidTransform motion;
+  motion.rotation = rotation_from_vector(directions * rotation_rad);
+  motion.translation_mm = directions * shift_mm;
+  return motion;
+}
+
+RigidTransform shift(const Vec3& by_mm) {
+  RigidTransform motion;
+  motion.translation_mm = by_mm;
+  return motion;
+}
+
+// The directions in which the linear axes truly run: y turned by C0Y against x, z by B0Z and A0Z.
+Mat3 true_axis_directions(const Mat3& directions, const ErrorValues& errors) {
+  Mat3 turned = directions;
+  turned.col(1) = rotation_from_vector(directions.col(2) * errors[c0y]) * directions.col(1);
+  turned.col(2) = rotation_from_vector(directions.col(0) * errors[a0z] + directions.col(1) * errors[b0z]) *
+                  directions.col(2);
+  return turned;
+}
+
+// Axes of the rotary stage in `stage`: z along the rotary axis, x as near to the machine's x axis (or, when
+// that is along the rotary axis, its y axis) as possible.
+Mat3 rotary_directions(const MachineGeometry& nominal) {
+  const Vec3 z = nominal.rotary_axis_direction;
+  // Independent axes cannot both lie along z; the one farther from it projects well.
+  const bool x_usable = nominal.axis_direction[0].cross(z).norm() > 0.5;
+  const Vec3 reference = nominal.axis_direction[x_usable ? 0 : 1];
+  Mat3 directions;
+  directions.col(0) = (reference - reference.dot(z) * z).normalized();
+  directions.col(1) = z.cross(directions.col(0));
+  directions.col(2) = z;
+  return directions;
+}
+
+}  // namespace
+
+RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisPositions& axes,
+                                     const ErrorValues& errors, double drift_time_s) {
+  Mat3 directions;
+  directions << nominal.axis_direction[0], nominal.axis_direction[1], nominal.axis_direction[2];
+  const Mat3 true_directions = true_axis_directions(directions, errors);
+  const std::array<double, 3> travel_mm{axes.x_mm, axes.y_mm, axes.z_mm};
+
+  RigidTransform stage_from_carriage = shift(drift_time_s * values_of(errors, drift_x, drift_y, drift_z));
+  for (const LinearAxis axis : nominal.linear_axis_order) {
+    const auto k = static_cast<std::size_t>(axis);
+    const AxisErrorSources& e = kLinearAxisErrors[k];
+    stage_from_carriage =
+        stage_from_carriage * shift(travel_mm[k] * true_directions.col(static_cast<Eigen::Index>(k))) *
+        small_motion(directions, values_of(errors, e.x, e.y, e.z), values_of(errors, e.a, e.b, e.c));
+  }
+  return stage_from_carriage * nominal.stage_from_probe_at_zero *
+         shift(values_of(errors, probe_x, probe_y, probe_z));
+}
+
+RigidTransform true_stage_from_mcs(const MachineGeometry& nominal, double theta_rad,
+                                   const ErrorValues& errors) {
+  const Mat3 directions = rotary_directions(nominal);
+  const RigidTransform stage_from_axis =
+      shift(nominal.rotary_axis_point_mm) *
+      small_motion(directions, {errors[xoc], errors[yoc], 0.0}, {errors[aoc], errors[boc], 0.0});
+  const RigidTransform error_motion =
+      small_motion(directions, values_of(errors, exc, eyc, ezc), {errors[eac], errors[ebc], 0.0});
+  RigidTransform turn;
+  turn.rotation = Eigen::AngleAxisd(theta_rad + errors[ecc], nominal.rotary_axis_direction);
+  return stage_from_axis * error_motion * turn * stage_from_axis.inverse();
+}
+
+RigidTransform true_mcs_from_part(const RigidTransform& nominal_mcs_from_part,
+                                  const RigidTransform& mcs_from_fixture, const ErrorValues& errors) {
+  const Mat3 own_axes = Mat3::Identity();
+  const RigidTransform fixture_on_table =
+      small_motion(own_axes, values_of(errors, fixture_x, fixture_y, fixture_z),
+                   values_of(errors, fixture_a, fixture_b, fixture_c));
+  const RigidTransform part_in_fixture = small_motion(own_axes, values_of(errors, part_x, part_y, part_z),
+                                                      values_of(errors, part_a, part_b, part_c));
+  return mcs_from_fixture * fixture_on_table * part_in_fixture * mcs_from_fixture.inverse() *
+         nominal_mcs_from_part;
+}
+
+Vec3 true_beam_direction(const MachineGeometry& nominal, const ErrorValues& errors) {
+  const Vec3& beam = nominal.beam_direction;
+  const Vec3 first_normal = beam.unitOrthogonal();
+  const Vec3 second_normal = beam.cross(first_normal);
+  return rotation_from_vector(errors[beam_a] * first_normal + errors[beam_b] * second_normal) * beam;
+}
+
+}  // namespace trueblade
