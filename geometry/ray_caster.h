@@ -1,6 +1,7 @@
-// Ray casting on a facet model. Embree (float) finds the facet; the hit is recomputed in double on that
-// facet's plane, which removes Embree's range error of 0.25 um (60 degrees incidence, 100 to 500 mm) to 18 um
-// (grazing). The one place that includes Embree.
+// Ray casting on a facet model. Embree (float) finds the facet, or one beside it; from there the facet that
+// the ray meets is found, and the hit recomputed on its plane, in double. That removes Embree's range error
+// of 0.25 um (60 degrees incidence, 100 to 500 mm) to 18 um (grazing), and its wrong facet where facets are
+// seen at a grazing angle. The one place that includes Embree.
 #pragma once
 
 #include <cstdint>
@@ -30,8 +31,9 @@ class RayCaster {
   RayCaster(RayCaster&&) noexcept;
   RayCaster& operator=(RayCaster&&) noexcept;
 
-  // First hit with min_range_mm <= range <= max_range_mm, from either side of a facet; nullopt: the ray
-  // misses. May be called from any number of threads.
+  // First hit with min_range_mm <= range <= max_range_mm (in double, to the last bit), from either side of a
+  // facet; nullopt: the ray misses, or holds a number that is not finite. A ray through an edge or a node
+  // hits one of the facets there: surfaces do not leak. May be called from any number of threads.
   std::optional<RayHit> first_hit(const Ray& ray, double min_range_mm, double max_range_mm) const;
 
  private:

@@ -1,0 +1,266 @@
+#include "geometry/ray_caster.h"
+
+#include <embree3/rtcore.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <tuple>
+#include <vector>
+
+#include "geometry/closest_point.h"
+#include "geometry/facet_edges.h"
+#include "geometry/triangle.h"
+
+namespace trueblade {
+namespace {
+
+// Embree sees the part moved to its centre and scaled by a power of two into [-1, 1]^3, and rays from where
+// they enter its box: then float means one part in 1.7e7 of the part's size, wherever part and probe are.
+// Nodes and rays are off by less than kFloatSlack of that size; ranges by 1 / cos(incidence) more, which the
+// double test makes good.
+constexpr double kFloatSlack = 1e-6;
+constexpr double kRangeSlack = 1e-3;
+
+// A ray within 32 ulps of its distance from an edge hits both facets there: more than the rounding of the
+// edge's function below (about ten operations), so that no ray slips through between two facets. 2e-12 mm at
+// 300 mm.
+constexpr double kEdgeUlps = 32.0 * 0x1p-53;
+
+// Facets looked at around Embree's facet: where the ray meets a node of 30 facets, or facets are smaller than
+// float resolves. Beyond, what was found so far is taken.
+constexpr std::size_t kMostCandidates = 32;
+
+struct DeviceRelease {
+  void operator()(RTCDeviceTy* device) const { rtcReleaseDevice(device); }
+};
+struct SceneRelease {
+  void operator()(RTCSceneTy* scene) const { rtcReleaseScene(scene); }
+};
+
+// The interval of the ray inside a box, or an empty one.
+struct Interval {
+  double begin = -std::numeric_limits<double>::infinity();
+  double end = std::numeric_limits<double>::infinity();
+};
+Interval inside(const Eigen::AlignedBox3d& box, const Ray& ray) {
+  constexpr Interval kEmpty{1.0, 0.0};
+  if (!ray.origin_mm.allFinite() || !ray.direction.allFinite() || ray.direction.isZero(0.0)) return kEmpty;
+  Interval interval;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double below = box.min()[axis] - ray.origin_mm[axis];
+    const double above = box.max()[axis] - ray.origin_mm[axis];
+    if (ray.direction[axis] == 0.0) {
+      if (!(below <= 0.0 && above >= 0.0)) return kEmpty;
+      continue;
+    }
+    const double one = below / ray.direction[axis], other = above / ray.direction[axis];
+    interval.begin = std::max(interval.begin, std::min(one, other));
+    interval.end = std::min(interval.end, std::max(one, other));
+  }
+  return interval;
+}
+
+// Facets between welded nodes, so that facets are neighbours wherever they share an edge in space.
+std::vector<std::array<std::uint32_t, 3>> welded_facets(const FacetModel& model) {
+  std::vector<std::array<std::uint32_t, 3>> facets(model.facet_count());
+  for (std::uint32_t facet = 0; facet < facets.size(); ++facet)
+    for (int k = 0; k < 3; ++k) facets[facet][k] = model.welded_node(model.facet_nodes(facet)[k]);
+  return facets;
+}
+
+}  // namespace
+
+struct RayCaster::Impl {
+  std::vector<Vec3> nodes_mm;
+  std::vector<std::array<std::uint32_t, 3>> facets;
+  FacetEdges edges;                                         // between welded nodes
+  std::vector<std::array<std::uint32_t, 3>> edge_of_facet;  // edge number of edge k
+  Eigen::AlignedBox3d box;                                  // of the part, larger by kFloatSlack
+  Vec3 centre_mm;
+  double scene_from_mm = 1.0;  // scale
+  std::unique_ptr<RTCDeviceTy, DeviceRelease> device;
+  std::unique_ptr<RTCSceneTy, SceneRelease> scene;
+
+  explicit Impl(const FacetModel& model);
+  void build_scene();
+
+  // The ray against one facet in double: the range on its plane, and where the ray passes its edges.
+  struct LocalHit {
+    double range_mm;
+    std::array<double, 3> weight;  // barycentric
+    std::array<bool, 3> beyond;    // passes outside edge k, or within rounding of it
+    double miss_mm;                // how far outside it passes; 0 inside or within rounding of an edge
+  };
+  LocalHit hit_on_facet(const Ray& ray, std::uint32_t facet) const;
+  std::optional<RayHit> hit_near_facet(const Ray& ray, std::uint32_t facet, double min_range_mm,
+                                       double max_range_mm) const;
+
+  // What Embree's filter callback needs to decide in double whether a candidate counts.
+  struct FilterContext {
+    RTCIntersectContext embree;  // first: Embree hands back a pointer to it
+    const Impl* caster;
+    const Ray* ray;
+    double min_range_mm, max_range_mm;
+  };
+  static void reject_in_double(const RTCFilterFunctionNArguments* arguments);
+};
+
+RayCaster::Impl::LocalHit RayCaster::Impl::hit_on_facet(const Ray& ray, std::uint32_t facet) const {
+  const auto& n = facets[facet];
+  const std::array<Vec3, 3> corners{nodes_mm[n[0]], nodes_mm[n[1]], nodes_mm[n[2]]};
+  const Vec3 area = triangle_area_vector(corners[0], corners[1], corners[2]);
+  const double facing = area.dot(ray.direction);
+  // Seen edge-on it has no range (no number: that fails every comparison), and the search goes on all around.
+  if (facing == 0.0) return {std::numeric_limits<double>::quiet_NaN(), {}, {true, true, true}, 0.0};
+
+  LocalHit hit{area.dot(corners[0] - ray.origin_mm) / facing, {}, {}, 0.0};
+  for (int k = 0; k < 3; ++k) {
+    // Volume spanned by the edge and the ray: the ray's distance from the edge times the edge's apparent
+    // length.
+    const Vec3 edge = corners[(k + 1) % 3] - corners[k];
+    const Vec3 to_origin = ray.origin_mm - corners[k];
+    const double volume = edge.dot(to_origin.cross(ray.direction));
+    const double length = edge.norm();
+    const double rounding = kEdgeUlps * length * to_origin.norm();
+    const double inward = facing > 0.0 ? volume : -volume;
+    hit.weight[(k + 2) % 3] = volume / facing;
+    hit.beyond[k] = inward <= rounding;
+    if (inward < -rounding) hit.miss_mm = std::max(hit.miss_mm, -inward / length);
+  }
+  return hit;
+}
+
+// Embree's float may name a facet beside the one that the ray meets. From there the search goes across every
+// edge beyond which the ray passes. Of the facets that the ray meets within the limits, the first along the
+// ray counts (the lowest number where ranges are equal), so that the answer does not depend on the order in
+// which Embree met them. Nothing, when the ray passes by all of them; but where the search ended early, the
+// nearest one counts: a surface must not leak.
+std::optional<RayHit> RayCaster::Impl::hit_near_facet(const Ray& ray, std::uint32_t facet,
+                                                      double min_range_mm, double max_range_mm) const {
+  std::array<std::uint32_t, kMostCandidates> candidates{facet};
+  std::size_t count = 1;
+  const auto add = [&](std::uint32_t next) {
+    const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(count);
+    if (count < kMostCandidates && std::find(candidates.begin(), end, next) == end)
+      candidates[count++] = next;
+  };
+
+  std::uint32_t best = kNoFacet;
+  LocalHit best_hit{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t candidate = candidates[i];
+    const LocalHit hit = hit_on_facet(ray, candidate);
+    for (int k = 0; k < 3; ++k) {
+      if (!hit.beyond[k]) continue;
+      for (const EdgeUse& use : edges.uses(edge_of_facet[candidate][k])) add(use.facet);
+    }
+    if (!(hit.range_mm >= min_range_mm && hit.range_mm <= max_range_mm)) continue;
+    if (best == kNoFacet || std::tie(hit.miss_mm, hit.range_mm, candidate) <
+                                std::tie(best_hit.miss_mm, best_hit.range_mm, best)) {
+      best = candidate;
+      best_hit = hit;
+    }
+  }
+  if (best == kNoFacet || (best_hit.miss_mm > 0.0 && count < kMostCandidates)) return std::nullopt;
+  const auto& n = facets[best];
+  return RayHit{best_hit.range_mm,
+                best,
+                triangle_area_vector(nodes_mm[n[0]], nodes_mm[n[1]], nodes_mm[n[2]]).stableNormalized(),
+                {best_hit.weight[1], best_hit.weight[2]}};
+}
+
+void RayCaster::Impl::reject_in_double(const RTCFilterFunctionNArguments* arguments) {
+  const auto* context = reinterpret_cast<const FilterContext*>(arguments->context);
+  const std::uint32_t facet = RTCHitN_primID(arguments->hit, arguments->N, 0);
+  if (!context->caster->hit_near_facet(*context->ray, facet, context->min_range_mm, context->max_range_mm))
+    arguments->valid[0] = 0;
+}
+
+void RayCaster::Impl::build_scene() {
+  device.reset(rtcNewDevice(nullptr));
+  if (!device) throw std::runtime_error("Embree gives no device");
+  scene.reset(rtcNewScene(device.get()));
+  rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST |
+                                                           RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+
+  RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
+  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), nodes_mm.size()));
+  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), facets.size()));
+  if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
+  for (std::size_t i = 0; i < nodes_mm.size(); ++i) {
+    const Eigen::Vector3f node = ((nodes_mm[i] - centre_mm) * scene_from_mm).cast<float>();
+    std::copy_n(node.data(), 3, vertices + 3 * i);
+  }
+  for (std::size_t i = 0; i < facets.size(); ++i) std::copy_n(facets[i].data(), 3, indices + 3 * i);
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometry(scene.get(), geometry);
+  rtcReleaseGeometry(geometry);
+  rtcCommitScene(scene.get());
+  if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw std::bad_alloc();
+}
+
+RayCaster::Impl::Impl(const FacetModel& model)
+    : facets(welded_facets(model)), edges(facets, model.node_count()), edge_of_facet(facets.size()) {
+  for (std::uint32_t node = 0; node < model.node_count(); ++node) nodes_mm.push_back(model.node_mm(node));
+  for (std::uint32_t edge = 0; edge < edges.size(); ++edge)
+    for (const EdgeUse& use : edges.uses(edge)) edge_of_facet[use.facet][use.edge] = edge;
+
+  box = {model.lower_corner_mm(), model.upper_corner_mm()};
+  centre_mm = box.center();
+  const double half_size = 0.5 * box.sizes().maxCoeff();
+  scene_from_mm = std::ldexp(1.0, -std::ilogb(half_size) - 1);
+  box.min().array() -= kFloatSlack * half_size;
+  box.max().array() += kFloatSlack * half_size;
+  build_scene();
+}
+
+RayCaster::RayCaster(const FacetModel& model) : impl_(std::make_unique<Impl>(model)) {}
+RayCaster::~RayCaster() = default;
+RayCaster::RayCaster(RayCaster&&) noexcept = default;
+RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
+
+std::optional<RayHit> RayCaster::first_hit(const Ray& ray, double min_range_mm, double max_range_mm) const {
+  if (!(min_range_mm <= max_range_mm)) return std::nullopt;
+  const Interval in_box = inside(impl_->box, ray);
+  const double begin = std::max(in_box.begin, min_range_mm), end = std::min(in_box.end, max_range_mm);
+  if (!(begin <= end)) return std::nullopt;
+
+  const Eigen::Vector3f entry =
+      ((ray.origin_mm + in_box.begin * ray.direction - impl_->centre_mm) * impl_->scene_from_mm)
+          .cast<float>();
+  const Eigen::Vector3f direction = ray.direction.cast<float>();
+  RTCRayHit query{};
+  query.ray.org_x = entry.x();
+  query.ray.org_y = entry.y();
+  query.ray.org_z = entry.z();
+  query.ray.dir_x = direction.x();
+  query.ray.dir_y = direction.y();
+  query.ray.dir_z = direction.z();
+  query.ray.tnear =
+      static_cast<float>(std::max(0.0, (begin - in_box.begin) * impl_->scene_from_mm - kRangeSlack));
+  query.ray.tfar = static_cast<float>((end - in_box.begin) * impl_->scene_from_mm + kRangeSlack);
+  query.ray.mask = 0xffffffffu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+
+  Impl::FilterContext context{{}, impl_.get(), &ray, min_range_mm, max_range_mm};
+  rtcInitIntersectContext(&context.embree);
+  RTCRayHit filtered = query;
+  rtcIntersect1(impl_->scene.get(), &context.embree, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  if (const auto hit = impl_->hit_near_facet(ray, query.hit.primID, min_range_mm, max_range_mm)) return hit;
+
+  // The rare case: Embree's hit does not count in double (out of the limits, or just past an outline). Then
+  // every candidate is put to the double test as Embree meets it.
+  context.embree.filter = Impl::reject_in_double;
+  rtcIntersect1(impl_->scene.get(), &context.embree, &filtered);
+  if (filtered.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return impl_->hit_near_facet(ray, filtered.hit.primID, min_range_mm, max_range_mm);
+}
+
+}  // namespace trueblade
