@@ -1,0 +1,14 @@
+#include "part/part_from_cad_facets.h"
+
+#include "part/assemble_part.h"
+
+namespace trueblade {
+
+Part part_from_cad_facets(const std::string& name, CadFacets cad) {
+  const FacetSoup soup{std::move(cad.nodes_mm), std::move(cad.facets), std::move(cad.surface_of_facet)};
+  Part part = assemble_part(name, soup, std::move(cad.surfaces), cad.corner_parameters);
+  part.exact = std::move(cad.exact);
+  return part;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,61 @@
+#include "part/write_step_shape.h"
+
+#include <APIHeaderSection_MakeHeader.hxx>
+#include <Interface_Static.hxx>
+#include <STEPConstruct.hxx>
+#include <STEPControl_Writer.hxx>
+#include <StepData_StepModel.hxx>
+#include <StepRepr_RepresentationItem.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <XSControl_TransferWriter.hxx>
+#include <XSControl_WorkSession.hxx>
+
+#include "geometry/atomic_file.h"
+#include "geometry/error.h"
+#include "part/cad_guard.h"
+
+namespace trueblade {
+
+namespace {
+
+Handle(TCollection_HAsciiString) text(const std::string& value) {
+  return new TCollection_HAsciiString(value.c_str());
+}
+
+void name_faces(const STEPControl_Writer& writer, const CadShape& cad) {
+  const Handle(Transfer_FinderProcess) process = writer.WS()->TransferWriter()->FinderProcess();
+  for (std::size_t i = 0; i < cad.faces.size(); ++i)
+    if (const auto item = STEPConstruct::FindEntity(process, cad.faces[i]); !item.IsNull())
+      item->SetName(text(cad.names[i]));
+}
+
+void write_header(const STEPControl_Writer& writer, const std::string& product) {
+  APIHeaderSection_MakeHeader header(Handle(StepData_StepModel)::DownCast(writer.WS()->Model()));
+  header.SetName(text(product));
+  header.SetTimeStamp(text("1970-01-01T00:00:00"));
+  header.SetAuthorValue(1, text(""));
+  header.SetOrganizationValue(1, text(""));
+  header.SetPreprocessorVersion(text("Open CASCADE"));
+  header.SetOriginatingSystem(text("trueblade"));
+}
+
+}  // namespace
+
+void write_step_shape(const CadShape& cad, const std::string& product,
+                      const std::filesystem::path& step_file) {
+  write_path_atomically(step_file, [&](const std::filesystem::path& temporary) {
+    with_cad_kernel(step_file, "written", [&] {
+      STEPControl_Writer writer;
+      Interface_Static::SetCVal("write.step.schema", "AP214IS");
+      Interface_Static::SetCVal("write.step.unit", "MM");
+      Interface_Static::SetCVal("write.step.product.name", product.c_str());
+      writer.Transfer(cad.shape, STEPControl_ManifoldSolidBrep);
+      name_faces(writer, cad);
+      write_header(writer, product);
+      if (writer.Write(temporary.c_str()) != IFSelect_RetDone)
+        throw file_error(step_file.string(), "could not be written");
+    });
+  });
+}
+
+}  // namespace trueblade
