@@ -157,18 +157,20 @@ void write_scan(const std::filesystem::path& file, const ViewScan& scan) {
   });
 }
 
-ViewScan read_scan(const std::filesystem::path& path) {
-  const std::string file = path.string();
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw file_error(file, "cannot be read");
-  const std::string content((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+ViewScan read_scan(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw file_error(file.string(), "cannot be read");
+  const std::string bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+  return read_scan_bytes(bytes, file.string());
+}
 
-  const ScanHeader header = parse_header(file, content);
+ViewScan read_scan_bytes(const std::string& bytes, const std::string& name) {
+  const ScanHeader header = parse_header(name, bytes);
   // The counts are bounded by the file's own length before anything is allocated or multiplied.
-  const std::size_t body = content.size() - header.bytes;
+  const std::size_t body = bytes.size() - header.bytes;
   const bool counts_fit = header.usable <= body / kVertexBytes && header.lost <= body / kSampleBytes;
   if (!counts_fit || header.usable * kVertexBytes + header.lost * kSampleBytes != body)
-    throw file_error(file,
+    throw file_error(name,
                      fmt::format("holds {} bytes of samples, which is not what its header says ({} usable, "
                                  "{} lost): truncated or damaged",
                                  body, header.usable, header.lost));
@@ -180,16 +182,16 @@ ViewScan read_scan(const std::filesystem::path& path) {
   std::vector<char> seen(count, false);
   const auto place = [&](const NumberedSample& s) {
     if (s.number >= count || seen[s.number])
-      throw file_error(file, fmt::format("sample number {} is repeated or above {}", s.number, count - 1));
+      throw file_error(name, fmt::format("sample number {} is repeated or above {}", s.number, count - 1));
     if (s.cell / std::max<std::size_t>(scan.columns, 1) >= scan.rows)
-      throw file_error(file, fmt::format("sample {}: cell {} lies outside the grid of {} x {}", s.number,
+      throw file_error(name, fmt::format("sample {}: cell {} lies outside the grid of {} x {}", s.number,
                                          s.cell, scan.columns, scan.rows));
     seen[s.number] = true;
     scan.samples[s.number] = s.sample;
     scan.grid_index[s.number] = s.cell;
   };
 
-  const char* in = content.data() + header.bytes;
+  const char* in = bytes.data() + header.bytes;
   for (std::size_t i = 0; i < header.usable; ++i) {
     const double x = take<double>(in);
     const double y = take<double>(in);
@@ -197,9 +199,9 @@ ViewScan read_scan(const std::filesystem::path& path) {
     in += sizeof(float);  // quality repeats snr
     const NumberedSample s = take_sample(in);
     if (!Vec3(x, y, z).allFinite())
-      throw file_error(file, fmt::format("sample {}: the point is not finite", s.number));
+      throw file_error(name, fmt::format("sample {}: the point is not finite", s.number));
     if (!scan.usable.empty() && s.number <= scan.usable.back())
-      throw file_error(file, fmt::format("sample number {} is out of order", s.number));
+      throw file_error(name, fmt::format("sample number {} is out of order", s.number));
     place(s);
     scan.usable.push_back(s.number);
     scan.points.position_mcs_mm.emplace_back(x, y, z);

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "hardware/scan_plan.h"
 
@@ -21,5 +22,8 @@ void write_scan(const std::filesystem::path& file, const ViewScan& scan);
 // Reads back what write_scan wrote, bit by bit. Scans of other systems are read by part/read_points.h.
 // Throws InputError naming the file and what is wrong with it.
 ViewScan read_scan(const std::filesystem::path& file);
+
+// The same from the bytes of such a file; `name` stands for the file in error messages.
+ViewScan read_scan_bytes(const std::string& bytes, const std::string& name);
 
 }  // namespace trueblade

@@ -1,0 +1,151 @@
+// Plans: they follow known surfaces at standoff, keep to the raster, the chosen surfaces and the incidence
+// limit, turn with the table and with the part, and refuse what cannot be planned.
+#include "hardware/plan_view.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <set>
+
+#include "geometry/error.h"
+#include "tests/hardware/analytic_parts.h"
+
+namespace trueblade {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Where the beam of a planned position meets standoff: it must be on the surface.
+std::vector<Vec3> planned_points(const MachineGeometry& geometry, const Lens& lens, const ScanPlan& plan) {
+  std::vector<Vec3> points;
+  for (const PlannedLine& line : plan.lines)
+    for (const AxisPositions& axes : line.path) {
+      ProbeSample sample;
+      sample.axes = axes;
+      sample.distance_mm = lens.standoff_mm;
+      points.push_back(point_in_mcs_mm(geometry, sample));
+    }
+  return points;
+}
+
+TEST(PlanView, APlateIsCoveredByAFullBoustrophedonRaster) {
+  const Part part = testing::plate(3.0, 10.0);
+  const RayCaster caster(part.model);
+  const MachineGeometry geometry;
+  const Lens lens = standard_lens("25mm");
+  PlanOptions options;
+  options.spacing_mm = 1.5;  // floor(10 / 1.5) + 1 = 7 each way
+  const ScanPlan plan = plan_view(geometry, lens, part, caster, {}, options);
+
+  EXPECT_EQ(plan.columns, 7u);
+  EXPECT_EQ(plan.rows, 7u);
+  ASSERT_EQ(plan.point_count(), 49u);
+  ASSERT_EQ(plan.grid_index.size(), 49u);
+  EXPECT_EQ(std::set(plan.grid_index.begin(), plan.grid_index.end()).size(), 49u);
+  for (std::size_t row = 0; row < 7; ++row) {
+    const auto& path = plan.lines[row].path;
+    const double direction = path[1].x_mm - path[0].x_mm;
+    EXPECT_NEAR(std::abs(direction), 1.5, 1e-12);
+    if (row > 0) {
+      const AxisPositions& before = plan.lines[row - 1].path.back();
+      EXPECT_NEAR(path[0].x_mm, before.x_mm, 1e-12);  // the next line starts beside the last one's end
+      EXPECT_NEAR(std::abs(path[0].z_mm - before.z_mm), 1.5, 1e-12);
+    }
+    for (const AxisPositions& axes : path) EXPECT_NEAR(axes.y_mm, 28.0, 1e-12);
+  }
+}
+
+TEST(PlanView, TheProbeFollowsASphereAtStandoff) {
+  const double radius_mm = 10.0;
+  const Part part = testing::sphere(radius_mm);
+  const RayCaster caster(part.model);
+  MachineGeometry geometry;
+  geometry.rotary_axis_point_mm = {4.0, -2.0, 0.0};
+  geometry.stage_from_probe_at_zero.translation_mm = {0.0, 100.0, 0.0};
+  const Lens lens = standard_lens("25mm");
+  PlanOptions options;
+  options.spacing_mm = 0.7;
+  options.theta_rad = 0.9;
+  options.max_incidence_rad = 60.0 * kPi / 180.0;
+  RigidTransform part_from_mcs;
+  part_from_mcs.rotation = rotation_from_vector({0.3, -0.2, 0.5});
+  part_from_mcs.translation_mm = {1.0, 2.0, 3.0};
+  const ScanPlan plan = plan_view(geometry, lens, part, caster, part_from_mcs, options);
+
+  // Facets of 3 degrees (60 rings) lie inside the sphere by up to 2 * r (1 - cos 1.5 deg) = 0.0069 mm at the
+  // middle of a square cell; the working range is 100 times as long.
+  for (const Vec3& point : planned_points(geometry, lens, plan)) {
+    const double r = (part_from_mcs * point).norm();
+    EXPECT_LE(r, radius_mm + 1e-12);
+    EXPECT_GE(r, radius_mm - 0.0069);
+  }
+  // Incidence within 60 deg leaves the disc of radius r sin(60 deg); a facet's normal is up to 2.2 deg from
+  // the sphere's, so that the count lies between those of discs at 57.8 and 62.2 deg, and a rim of cells
+  // (half a spacing either way).
+  const auto disc_cells = [&](double degrees, double rim_mm) {
+    const double disc_radius_mm = radius_mm * std::sin(degrees * kPi / 180.0) + rim_mm;
+    return kPi * disc_radius_mm * disc_radius_mm / (0.7 * 0.7);
+  };
+  EXPECT_GT(static_cast<double>(plan.point_count()), disc_cells(57.8, -0.35));
+  EXPECT_LT(static_cast<double>(plan.point_count()), disc_cells(62.2, 0.35));
+}
+
+TEST(PlanView, OnlyTheChosenSurfacesAreMeasured) {
+  const Part part = testing::plate(0.0, 10.0);
+  const RayCaster caster(part.model);
+  PlanOptions options;
+  options.spacing_mm = 0.9;
+  options.surfaces = {1};  // x > 0
+  const MachineGeometry geometry;
+  const Lens lens = standard_lens("25mm");
+  const ScanPlan plan = plan_view(geometry, lens, part, caster, {}, options);
+  ASSERT_GT(plan.point_count(), 0u);
+  for (const Vec3& point : planned_points(geometry, lens, plan)) EXPECT_GE(point.x(), 0.0);
+}
+
+TEST(PlanView, TheBackOfAPlateCannotBeSeen) {
+  const Part part = testing::plate(0.0, 10.0);
+  const RayCaster caster(part.model);
+  PlanOptions options;
+  options.theta_rad = kPi;
+  EXPECT_THROW(plan_view({}, standard_lens("25mm"), part, caster, {}, options), InputError);
+}
+
+TEST(PlanView, ABeamAlongTheRotaryAxisStillHasARaster) {
+  const Part part = testing::sphere(5.0);
+  const RayCaster caster(part.model);
+  MachineGeometry geometry;
+  geometry.beam_direction = -Vec3::UnitZ();
+  const Lens lens = standard_lens("100mm");
+  const ScanPlan plan = plan_view(geometry, lens, part, caster, {}, {});
+  EXPECT_EQ(plan.columns, 11u);  // 10 mm at 1 mm
+  for (const Vec3& point : planned_points(geometry, lens, plan)) EXPECT_GT(point.z(), 0.0);
+}
+
+TEST(PlanView, ImpossibleOptionsAreRefusedByName) {
+  const Part part = testing::plate(0.0, 10.0);
+  const RayCaster caster(part.model);
+  const auto message_of = [&](const PlanOptions& options) -> std::string {
+    try {
+      plan_view({}, standard_lens("25mm"), part, caster, {}, options);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  PlanOptions zero;
+  zero.spacing_mm = 0.0;
+  EXPECT_NE(message_of(zero).find("spacing_mm is 0"), std::string::npos);
+  PlanOptions fine;
+  fine.spacing_mm = 1e-9;  // 10^20 cells: refused before memory is asked for
+  EXPECT_NE(message_of(fine).find("cells"), std::string::npos);
+  PlanOptions unknown;
+  unknown.surfaces = {2};
+  EXPECT_NE(message_of(unknown).find("surface 2 does not exist"), std::string::npos);
+  PlanOptions steep;
+  steep.max_incidence_rad = 2.0;
+  EXPECT_NE(message_of(steep).find("max_incidence"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace trueblade
