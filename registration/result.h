@@ -60,7 +60,8 @@ struct RegistrationResult {
   std::size_t outliers = 0;
   std::vector<bool> is_inlier;  // per scan point
 
-  double initial_rms_mm = 0.0;   // unweighted, all points, at the initial pose
+  double initial_rms_mm =
+      0.0;  // unweighted, no rejection, at the initial pose; of the even subsample when one was used
   double weighted_rms_mm = 0.0;  // what was minimised: sqrt(sum w d^2 / sum w) over the inliers
   double rms_mm = 0.0;           // unweighted RMS distance of the inliers
 
@@ -69,5 +70,9 @@ struct RegistrationResult {
   ClosestPointWork work;
   std::optional<CrossCheck> cross_check;
 };
+
+// One line, and a table of everything.
+std::string brief_report(const RegistrationResult& result);
+std::string full_report(const RegistrationResult& result);
 
 }  // namespace trueblade

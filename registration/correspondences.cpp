@@ -1,0 +1,128 @@
+#include "registration/correspondences.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "geometry/error.h"
+#include "geometry/parallel.h"
+
+namespace trueblade {
+namespace {
+
+constexpr std::size_t kBlock = 1024;
+
+// Nearer than this the direction point - closest is rounding: at coordinates of 100 mm the two differ by
+// about 1e-14 mm of rounding, so that the direction is right to 1e-8 rad at this distance.
+constexpr double kDirectionDistance_mm = 1e-6;
+
+Vec3 distance_gradient(const FacetModel& model, const Vec3& point, const ClosestPoint& closest) {
+  if (closest.distance_mm > kDirectionDistance_mm) return (point - closest.point_mm) / closest.distance_mm;
+  return model.facet_normal(closest.facet);
+}
+
+std::vector<bool> selected_surfaces(const Part& part, const std::vector<std::uint32_t>& ids) {
+  if (ids.empty()) return {};
+  std::vector<bool> selected(part.surfaces.size(), false);
+  for (const std::uint32_t id : ids) {
+    if (id >= selected.size())
+      throw InputError(
+          fmt::format("surfaces names {}, but the part's surfaces are 0 to {}", id, selected.size() - 1));
+    selected[id] = true;
+  }
+  return selected;
+}
+
+}  // namespace
+
+Vec6 StepFrame::scaled(const Vec6& step) const {
+  Vec6 result = step;
+  result.head<3>() *= radius_mm;
+  return result;
+}
+
+Vec6 StepFrame::unscaled(const Vec6& step) const {
+  Vec6 result = step;
+  result.head<3>() /= radius_mm;
+  return result;
+}
+
+CorrespondenceFinder::CorrespondenceFinder(const RegistrationTarget& target,
+                                           const RegistrationOptions& options,
+                                           const std::vector<Vec3>& position_mcs_mm)
+    : target_(target),
+      options_(options),
+      position_mcs_mm_(position_mcs_mm),
+      surface_selected_(selected_surfaces(target.part(), options.surfaces)) {
+  if (options.closest_point.cache == CorrespondenceCache::certified)
+    certified_.resize(position_mcs_mm.size());
+}
+
+void CorrespondenceFinder::find(const RigidTransform& part_from_mcs, const StepFrame& frame,
+                                Correspondences& result) {
+  const std::size_t n = position_mcs_mm_.size();
+  result.frame = frame;
+  result.point_part_mm.resize(n);
+  result.closest.resize(n);
+  result.distance_mm.resize(n);
+  result.jacobian.resize(6, static_cast<Eigen::Index>(n));
+  result.eligible.resize(n);
+  if (options_.rejection.boundary == BoundaryPolicy::reject)
+    target_.pseudo_normals();  // built before the loop
+  std::vector<ClosestPointWork> work((n + kBlock - 1) / kBlock);
+  parallel_for_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
+    find_block(part_from_mcs, begin, end, result, work[begin / kBlock]);
+  });
+  for (const ClosestPointWork& part : work) {
+    work_.queries += part.queries;
+    work_.cache_hits += part.cache_hits;
+    work_.facets_tested += part.facets_tested;
+    work_.boxes_tested += part.boxes_tested;
+  }
+}
+
+void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::size_t begin, std::size_t end,
+                                      Correspondences& result, ClosestPointWork& work) {
+  const Mat3 rotation = part_from_mcs.rotation.toRotationMatrix();
+  for (std::size_t i = begin; i < end; ++i)
+    result.point_part_mm[i] = rotation * position_mcs_mm_[i] + part_from_mcs.translation_mm;
+
+  const std::size_t count = end - begin;
+  const std::span<const Vec3> points(result.point_part_mm.data() + begin, count);
+  const std::span<ClosestPoint> closest(result.closest.data() + begin, count);
+  switch (options_.closest_point.search) {
+    case ClosestPointSearch::exact_tree: {
+      const auto cache =
+          certified_.empty() ? std::span<CertifiedCache>{} : std::span(certified_).subspan(begin, count);
+      target_.tree().query(points, closest, cache, work);
+      break;
+    }
+    case ClosestPointSearch::brute_force:
+      for (std::size_t i = 0; i < count; ++i)
+        closest[i] = closest_point_brute_force(target_.model(), points[i]);
+      work.queries += count;
+      work.facets_tested += count * target_.model().facet_count();
+      break;
+    default:
+      throw InputError("closest_point.search is not available");
+  }
+
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3& x = result.point_part_mm[i];
+    const Vec3 n = distance_gradient(target_.model(), x, result.closest[i]);
+    result.distance_mm[i] = n.dot(x - result.closest[i].point_mm);
+    auto column = result.jacobian.col(static_cast<Eigen::Index>(i));
+    column.head<3>() = (x - result.frame.pivot_part_mm).cross(n) / result.frame.radius_mm;
+    column.tail<3>() = n;
+    result.eligible[i] = is_eligible(result.closest[i]);
+  }
+}
+
+bool CorrespondenceFinder::is_eligible(const ClosestPoint& closest) const {
+  if (!surface_selected_.empty() && !surface_selected_[target_.model().surface_of(closest.facet)])
+    return false;
+  return options_.rejection.boundary == BoundaryPolicy::keep ||
+         !target_.pseudo_normals().on_boundary(closest);
+}
+
+}  // namespace trueblade

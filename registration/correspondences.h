@@ -1,0 +1,65 @@
+// Closest points of the part for every point of the working scan at a pose, and the linear model of the
+// distance around that pose.
+//
+// The distance of a point x to the surface has the gradient n = (x - c) / |x - c|, c the closest point: the
+// facet normal over a facet's interior, and the right direction at edges and nodes too. A small rigid step
+// about the pivot changes it by
+//   J . u,   J = ((x - pivot) x n / radius, n),   u = (radius * rotation in rad, translation in mm),
+// so that all six components of the scaled step u are lengths in mm.
+#pragma once
+
+#include <vector>
+
+#include "geometry/closest_point_tree.h"
+#include "registration/options.h"
+#include "registration/target.h"
+
+namespace trueblade {
+
+// About what a step turns and how its rotation is scaled.
+struct StepFrame {
+  Vec3 pivot_part_mm = Vec3::Zero();
+  double radius_mm = 1.0;
+
+  Vec6 scaled(const Vec6& step) const;    // (rad, mm) -> (mm, mm)
+  Vec6 unscaled(const Vec6& step) const;  // (mm, mm) -> (rad, mm)
+};
+
+using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+struct Correspondences {
+  StepFrame frame;
+  std::vector<Vec3> point_part_mm;  // the scan points at the pose
+  std::vector<ClosestPoint> closest;
+  std::vector<double> distance_mm;     // n . (x - c)
+  Jacobian jacobian;                   // one column per point, scaled
+  std::vector<std::uint8_t> eligible;  // 0: not on a selected surface, or on a rejected rim
+
+  std::size_t size() const { return closest.size(); }
+};
+
+// Finds the correspondences of one working scan, pose after pose; keeps the caches between calls.
+class CorrespondenceFinder {
+ public:
+  // Keeps references. Throws InputError naming the valid ids when a selected surface does not exist.
+  CorrespondenceFinder(const RegistrationTarget& target, const RegistrationOptions& options,
+                       const std::vector<Vec3>& position_mcs_mm);
+
+  void find(const RigidTransform& part_from_mcs, const StepFrame& frame, Correspondences& result);
+
+  const ClosestPointWork& work() const { return work_; }
+
+ private:
+  void find_block(const RigidTransform& part_from_mcs, std::size_t begin, std::size_t end,
+                  Correspondences& result, ClosestPointWork& work);
+  bool is_eligible(const ClosestPoint& closest) const;
+
+  const RegistrationTarget& target_;
+  const RegistrationOptions& options_;
+  const std::vector<Vec3>& position_mcs_mm_;
+  std::vector<bool> surface_selected_;  // empty: all
+  std::vector<CertifiedCache> certified_;
+  ClosestPointWork work_;
+};
+
+}  // namespace trueblade

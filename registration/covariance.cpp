@@ -1,0 +1,160 @@
+#include "registration/covariance.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "geometry/parallel.h"
+
+namespace trueblade {
+namespace {
+
+constexpr std::size_t kBlock = 4096;
+constexpr double kPi = 3.14159265358979323846;
+
+double normal_density(double x) {
+  return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi);
+}
+
+// What a cut at k standard deviations leaves of a standard normal distribution.
+struct Truncation {
+  double inside = 1.0;  // P, probability
+  double second = 1.0;  // B, second moment; also the mean derivative of the influence function
+};
+
+Truncation truncation_at(double k) {
+  if (!(k < 38.0)) return {};  // the density underflows
+  Truncation t;
+  t.inside = std::erf(k / std::sqrt(2.0));
+  t.second = t.inside - 2.0 * k * normal_density(k);
+  return t;
+}
+
+struct Moments {
+  Mat6 hessian = Mat6::Zero();  // sum w J J'
+  Mat6 noise = Mat6::Zero();    // sum w^2 v J J'
+  double squares = 0.0;         // sum of squared residuals in the noise model's unit weight
+  double count = 0.0;
+  Moments& operator+=(const Moments& other) {
+    hessian += other.hessian;
+    noise += other.noise;
+    squares += other.squares;
+    count += other.count;
+    return *this;
+  }
+};
+
+// `bread` are the weights of H, `weights` those of the residuals that take part.
+Moments moments_of(const Correspondences& c, std::span<const double> bread, std::span<const double> weights,
+                   NoiseModel model) {
+  return ordered_sum(c.size(), kBlock, Moments{}, [&](std::size_t begin, std::size_t end) {
+    Moments sum;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (bread[i] == 0.0) continue;
+      const double w = bread[i], d2 = c.distance_mm[i] * c.distance_mm[i];
+      const Vec6 j = c.jacobian.col(static_cast<Eigen::Index>(i));
+      const Mat6 outer = j * j.transpose();
+      sum.hessian += w * outer;
+      switch (model) {
+        case NoiseModel::equal:
+          sum.noise += w * w * outer;
+          break;
+        case NoiseModel::inverse_to_weight:
+          sum.noise += w * outer;
+          break;
+        case NoiseModel::from_residuals:
+          sum.noise += weights[i] * weights[i] * d2 * outer;
+          break;
+      }
+      sum.squares += model == NoiseModel::inverse_to_weight ? w * d2 : d2;
+      sum.count += 1.0;
+    }
+    return sum;
+  });
+}
+
+// Means over the points with weight of a redescending influence function and of its derivative, residuals in
+// units of sigma.
+struct Influence {
+  double mean_square = 0.0;
+  double mean_slope = 0.0;
+};
+
+Influence redescending_influence(const Correspondences& c, std::span<const double> base, double sigma,
+                                 const RejectionOptions& options) {
+  const bool biweight = options.rule == RejectionRule::tukey;
+  const double width = biweight ? options.tukey_constant : options.welsch_constant;
+  Influence sum;
+  double count = 0.0;
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    if (base[i] == 0.0) continue;
+    count += 1.0;
+    const double x = c.distance_mm[i] / sigma, u2 = (x / width) * (x / width);
+    const double rest = biweight ? std::max(0.0, 1.0 - u2) : std::exp(-u2);
+    const double psi = biweight ? x * rest * rest : x * rest;
+    sum.mean_square += psi * psi;
+    sum.mean_slope += biweight ? rest * (1.0 - 5.0 * u2) : (1.0 - 2.0 * u2) * rest;
+  }
+  return {sum.mean_square / count, sum.mean_slope / count};
+}
+
+Mat6 inverse_within(const Mat6& hessian, const FreeDirections& determined) {
+  const Eigen::MatrixXd reduced = determined.transpose() * hessian * determined;
+  const Eigen::MatrixXd inverse =
+      reduced.ldlt().solve(Eigen::MatrixXd::Identity(reduced.rows(), reduced.cols()));
+  return determined * inverse * determined.transpose();
+}
+
+}  // namespace
+
+double untruncated_sigma_mm(double truncated_rms_mm, double cut_mm) {
+  if (!(truncated_rms_mm > 0.0) || !(truncated_rms_mm < 0.5 * cut_mm)) return truncated_rms_mm;
+  // sigma sqrt(B / P) rises with sigma from 0 to cut / sqrt(3): bisection between the truncated RMS and twice
+  // the cut, to the last bit of a double.
+  double low = truncated_rms_mm, high = 2.0 * cut_mm;
+  for (int k = 0; k < 60; ++k) {
+    const double sigma = 0.5 * (low + high);
+    const Truncation t = truncation_at(cut_mm / sigma);
+    (sigma * std::sqrt(t.second / t.inside) < truncated_rms_mm ? low : high) = sigma;
+  }
+  return 0.5 * (low + high);
+}
+
+PoseCovariance pose_covariance(const Correspondences& correspondences, std::span<const double> base,
+                               std::span<const double> weights, const RejectionScale& scale,
+                               const FreeDirections& determined, const RegistrationOptions& options) {
+  PoseCovariance result;
+  if (determined.cols() == 0) return result;
+  const bool redescending =
+      options.rejection.rule == RejectionRule::tukey || options.rejection.rule == RejectionRule::welsch;
+  const NoiseModel model = options.covariance.noise;
+  const Moments m = moments_of(correspondences, redescending ? base : weights, weights, model);
+  const double freedom = m.count - static_cast<double>(determined.cols());
+  if (!(freedom > 0.0)) return result;
+
+  const double estimate =
+      redescending ? scale.sigma_mm : untruncated_sigma_mm(std::sqrt(m.squares / freedom), scale.cut_mm);
+  result.sigma_estimated = !options.covariance.sigma_mm.has_value();
+  result.sigma_mm = options.covariance.sigma_mm.value_or(estimate);
+
+  // Variance factor of the influence function, for noise of unit variance, and of its slope alone.
+  double variance = 1.0, slope = 1.0;
+  if (redescending) {
+    const Influence influence =
+        redescending_influence(correspondences, base, scale.sigma_mm, options.rejection);
+    slope = influence.mean_slope;
+    variance = influence.mean_square / (slope * slope);
+  } else if (estimate > 0.0) {
+    const Truncation t = truncation_at(scale.cut_mm / estimate);
+    slope = t.second / t.inside;
+    variance = 1.0 / slope;
+  }
+  const Mat6 inverse = inverse_within(m.hessian, determined);
+  const Mat6 sandwich = inverse * m.noise * inverse;
+  result.scaled = model == NoiseModel::from_residuals
+                      ? Mat6(m.count / freedom / (slope * slope) * sandwich)
+                      : Mat6(result.sigma_mm * result.sigma_mm * variance * sandwich);
+  return result;
+}
+
+}  // namespace trueblade

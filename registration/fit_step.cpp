@@ -1,0 +1,132 @@
+#include "registration/fit_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "geometry/random.h"
+
+namespace trueblade {
+namespace {
+
+constexpr int kConcentrationSteps = 10;  // the set of trusted points repeats long before
+constexpr int kSubsets = 200;  // one in four subsets of six is clean among 20 % outliers: 1e-25 that none is
+
+// distance + J . step, for all points.
+std::vector<double> residuals_after(const Correspondences& c, const Vec6& step) {
+  std::vector<double> residual(c.size());
+  Eigen::Map<Eigen::VectorXd> after(residual.data(), static_cast<Eigen::Index>(residual.size()));
+  after = Eigen::Map<const Eigen::VectorXd>(c.distance_mm.data(), after.size());
+  after.noalias() += c.jacobian.transpose() * step;
+  return residual;
+}
+
+bool same_selection(std::span<const double> a, std::span<const double> b) {
+  for (std::size_t i = 0; i < a.size(); ++i)
+    if ((a[i] > 0.0) != (b[i] > 0.0)) return false;
+  return true;
+}
+
+struct Regression {
+  StepFit fit;
+  std::vector<double> weights;
+  std::vector<double> residual;
+};
+
+Regression concentrate(const Correspondences& c, std::span<const double> base,
+                       const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                       std::vector<double> start) {
+  Regression r;
+  r.weights = std::move(start);
+  std::vector<double> next(r.weights.size());
+  for (int k = 0; k < kConcentrationSteps; ++k) {
+    r.fit.equations = normal_equations(c, r.weights);
+    r.fit.step_scaled = solve_step(r.fit.equations, free);
+    r.residual = residuals_after(c, r.fit.step_scaled);
+    r.fit.scale = apply_rejection(options, r.residual, base, floor_mm, next);
+    const bool repeats = same_selection(r.weights, next);
+    r.weights.swap(next);
+    if (repeats) break;
+  }
+  return r;
+}
+
+double truncated_objective(const Regression& r, std::span<const double> base, double cut) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < r.residual.size(); ++i)
+    sum += base[i] * std::min(r.residual[i] * r.residual[i], cut * cut);
+  return sum;
+}
+
+StepFit consistent_fit(const Correspondences& c, std::span<const double> base,
+                       const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                       std::span<double> weights) {
+  Regression best = concentrate(c, base, options, free, floor_mm, {base.begin(), base.end()});
+  // The second start can only differ where something was rejected.
+  if (!same_selection(best.weights, base)) {
+    std::vector<double> near(base.size());
+    apply_rejection(options, c.distance_mm, base, floor_mm, near);
+    Regression other = concentrate(c, base, options, free, floor_mm, std::move(near));
+    const double cut = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
+    if (truncated_objective(other, base, cut) < truncated_objective(best, base, cut)) best = std::move(other);
+  }
+  std::copy(best.weights.begin(), best.weights.end(), weights.begin());
+  return best.fit;
+}
+
+// A step through `subset` random points with weight.
+Vec6 subset_step(const Correspondences& c, const std::vector<std::size_t>& used, const FreeDirections& free,
+                 Rng& random) {
+  NormalEquations equations;
+  for (int k = 0; k < 6; ++k) {
+    const auto pick = static_cast<std::size_t>(random.uniform() * static_cast<double>(used.size()));
+    const std::size_t i = used[std::min(pick, used.size() - 1)];
+    const auto j = c.jacobian.col(static_cast<Eigen::Index>(i));
+    equations.hessian += j * j.transpose();
+    equations.gradient += c.distance_mm[i] * j;
+    equations.weight += 1.0;
+  }
+  return solve_step(equations, free);
+}
+
+StepFit least_median_fit(const Correspondences& c, std::span<const double> base,
+                         const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                         std::span<double> weights) {
+  std::vector<std::size_t> used;
+  for (std::size_t i = 0; i < base.size(); ++i)
+    if (base[i] > 0.0) used.push_back(i);
+  std::vector<double> best = c.distance_mm;
+  double best_sigma = consistent_sigma_mm(best, base);
+  Rng random(0, 0, "least median of squares");
+  for (int k = 0; k < kSubsets && !used.empty(); ++k) {
+    std::vector<double> residual = residuals_after(c, subset_step(c, used, free, random));
+    const double sigma = consistent_sigma_mm(residual, base);
+    if (sigma < best_sigma) {
+      best_sigma = sigma;
+      best = std::move(residual);
+    }
+  }
+  StepFit fit;
+  fit.scale = apply_rejection(options, best, base, floor_mm, weights);
+  fit.equations = normal_equations(c, weights);
+  fit.step_scaled = solve_step(fit.equations, free);
+  return fit;
+}
+
+}  // namespace
+
+StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
+                 const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                 std::span<double> weights) {
+  if (options.rule == RejectionRule::consistent_cut)
+    return consistent_fit(correspondences, base, options, free, floor_mm, weights);
+  if (options.rule == RejectionRule::least_median_of_squares)
+    return least_median_fit(correspondences, base, options, free, floor_mm, weights);
+  StepFit fit;
+  fit.scale = apply_rejection(options, correspondences.distance_mm, base, floor_mm, weights);
+  fit.equations = normal_equations(correspondences, weights);
+  fit.step_scaled = solve_step(fit.equations, free);
+  return fit;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,136 @@
+#include "registration/register_scan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "geometry/error.h"
+#include "registration/covariance.h"
+#include "registration/determinacy.h"
+#include "registration/iterate.h"
+
+namespace trueblade {
+namespace {
+
+// Rounding of a distance: a handful of operations on the largest coordinate in play, 64 ulps of it.
+double rounding_floor_mm(const FacetModel& model, const ScanExtent& extent,
+                         const RigidTransform& part_from_mcs) {
+  const double largest = std::max({model.lower_corner_mm().norm(), model.upper_corner_mm().norm(),
+                                   (part_from_mcs * extent.centroid_mcs_mm).norm() + extent.maximum_radius_mm,
+                                   extent.centroid_mcs_mm.norm() + extent.maximum_radius_mm});
+  return 64.0 * std::numeric_limits<double>::epsilon() * largest;
+}
+
+// Ten times the sizes of part and scan together is no placement by any machine set-up: the unit or the
+// initial pose is wrong, and every point would see the part from the same side.
+void check_near(const FacetModel& model, const ScanExtent& extent, const RigidTransform& part_from_mcs) {
+  if (!is_finite(part_from_mcs)) throw InputError("the initial pose holds a number that is not finite");
+  const Vec3 low = model.lower_corner_mm(), high = model.upper_corner_mm();
+  const Vec3 centroid = part_from_mcs * extent.centroid_mcs_mm;
+  const double gap = (centroid - centroid.cwiseMax(low).cwiseMin(high)).norm();
+  const double size = (high - low).norm() + 2.0 * extent.maximum_radius_mm;
+  if (!(gap <= 10.0 * size))
+    throw InputError(fmt::format(
+        "the scan's centroid lies {:.6g} mm from the part, whose size with the scan's is {:.6g} mm, at the "
+        "initial pose: check the initial pose and the units",
+        gap, size));
+}
+
+void check_selection(const Iterations& state, const RegistrationOptions& options) {
+  if (options.surfaces.empty()) return;
+  if (std::count(state.correspondences.eligible.begin(), state.correspondences.eligible.end(), 1) < 3)
+    throw InputError("surfaces selects surfaces to which fewer than three scan points are closest");
+}
+
+double unweighted_rms_mm(const Iterations& state) {
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < state.weights.size(); ++i)
+    if (state.weights[i] > 0.0) {
+      sum += state.correspondences.distance_mm[i] * state.correspondences.distance_mm[i];
+      count += 1.0;
+    }
+  return count > 0.0 ? std::sqrt(sum / count) : 0.0;
+}
+
+Vec3 inlier_centroid_mcs(const WorkingScan& scan, const std::vector<double>& weights) {
+  Vec3 sum = Vec3::Zero();
+  double weight = 0.0;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    sum += weights[i] * scan.position_mcs_mm[i];
+    weight += weights[i];
+  }
+  return weight > 0.0 ? Vec3(sum / weight) : extent_of(scan).centroid_mcs_mm;
+}
+
+// The tangent about `from` expressed about `to`: the rotation is the same, the pivot's motion differs.
+Mat6 about_other_pivot(const Mat6& covariance, const Vec3& from, const Vec3& to) {
+  Mat6 change = Mat6::Identity();
+  const Vec3 arm = to - from;  // translation' = translation + rotation x arm
+  change.block<3, 3>(3, 0) << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  return change * covariance * change.transpose();
+}
+
+void report_covariance(const RegistrationProblem& problem, const WorkingScan& scan, const Iterations& state,
+                       RegistrationResult& result) {
+  const StepFrame& frame = state.correspondences.frame;
+  const PoseCovariance covariance = pose_covariance(state.correspondences, state.base, state.weights,
+                                                    state.fit.scale, state.determined, problem.options);
+  Vec6 unscale;
+  unscale << Vec3::Constant(1.0 / frame.radius_mm), Vec3::Ones();
+  const Mat6 tangent = unscale.asDiagonal() * covariance.scaled * unscale.asDiagonal();
+  result.centroid_part_mm = state.part_from_mcs * inlier_centroid_mcs(scan, state.weights);
+  result.covariance = about_other_pivot(tangent, frame.pivot_part_mm, result.centroid_part_mm);
+  result.sigma_mm = covariance.sigma_mm;
+  result.sigma_estimated = covariance.sigma_estimated;
+  result.undetermined = describe_undetermined(state.undetermined, frame);
+}
+
+RegistrationResult report(const RegistrationProblem& problem, const WorkingScan& scan, std::size_t scan_size,
+                          const Iterations& state, Termination termination) {
+  RegistrationResult result;
+  result.part_from_mcs = state.part_from_mcs;
+  result.termination = termination;
+  result.iterations = state.iterations;
+  result.trace = state.trace;
+  result.work = state.work;
+  result.is_inlier.assign(scan_size, false);
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    if (state.weights[i] > 0.0) {
+      result.is_inlier[scan.scan_index[i]] = true;
+      ++result.inliers;
+    }
+  result.outliers = scan_size - result.inliers;
+  result.initial_rms_mm = state.first_rms_mm;
+  result.weighted_rms_mm = state.fit.equations.weighted_rms_mm();
+  result.rms_mm = unweighted_rms_mm(state);
+  report_covariance(problem, scan, state, result);
+  return result;
+}
+
+}  // namespace
+
+RegistrationResult register_scan(const RegistrationTarget& target, const ScanPoints& scan,
+                                 const RigidTransform& initial_part_from_mcs,
+                                 const RegistrationOptions& options) {
+  options.validate();
+  const WorkingScan all = prepare_scan(scan, options.weights);
+  const ScanExtent extent = extent_of(all);
+  check_near(target.model(), extent, initial_part_from_mcs);
+  const RegistrationProblem problem{target, options, LockedMotion(options.lock, initial_part_from_mcs),
+                                    extent, rounding_floor_mm(target.model(), extent, initial_part_from_mcs)};
+
+  Iterations state;
+  state.part_from_mcs = initial_part_from_mcs;
+  const auto sample = static_cast<std::size_t>(options.sampling.points);
+  if (sample > 0 && all.size() >= 2 * sample) {
+    iterate(problem, even_subsample(all, sample), true, state);
+    check_selection(state, options);
+  }
+  const Termination termination = iterate(problem, all, false, state).value();
+  check_selection(state, options);
+  return report(problem, all, scan.size(), state, termination);
+}
+
+}  // namespace trueblade

@@ -1,0 +1,32 @@
+// The search structures over a part, built once and shared by any number of registrations and threads.
+#pragma once
+
+#include <memory>
+
+#include "geometry/closest_point_tree.h"
+#include "geometry/pseudo_normals.h"
+#include "part/part.h"
+
+namespace trueblade {
+
+// Keeps a reference: the part must outlive it. The exact tree is built at once; what only some options or
+// reports need is built at its first use. Const functions may run from any number of threads.
+class RegistrationTarget {
+ public:
+  explicit RegistrationTarget(const Part& part);
+  explicit RegistrationTarget(Part&&) = delete;
+  ~RegistrationTarget();
+  RegistrationTarget(RegistrationTarget&&) noexcept;
+  RegistrationTarget& operator=(RegistrationTarget&&) noexcept;
+
+  const Part& part() const;
+  const FacetModel& model() const { return part().model; }
+  const ClosestPointTree& tree() const;
+  const PseudoNormals& pseudo_normals() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace trueblade
