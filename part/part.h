@@ -10,16 +10,10 @@
 
 #include "geometry/facet_model.h"
 #include "part/exact_surfaces.h"
+#include "part/faceting_options.h"
+#include "part/part_surface.h"
 
 namespace trueblade {
-
-// One CAD surface. `id` is its position in Part::surfaces and the number every facet, point and report uses.
-struct PartSurface {
-  std::string name;  // the name in the CAD file, or "surface_<id>"
-  std::string kind;  // "plane", "cylinder", "b-spline", ... or "facets" for mesh files
-  std::size_t facets = 0;
-  double area_mm2 = 0.0;  // of its facets
-};
 
 struct Part {
   std::string name;
@@ -38,16 +32,6 @@ enum class LengthUnit { millimetre, centimetre, metre, inch, micrometre };
 double millimetres_per(LengthUnit unit);
 // "mm", "cm", "m", "in", "um"; throws InputError naming the valid units.
 LengthUnit parse_length_unit(const std::string& text);
-
-// Faceting of exact surfaces. The chord tolerance bounds the distance between facet and surface. 0.01 mm is a
-// third of the paper's implied value (0.002 mm RMS on facets) times ten points of safety on curved edges; see
-// docs/formats.md.
-struct FacetingOptions {
-  double chord_tolerance_mm = 0.01;
-  double angular_tolerance_rad =
-      0.2;  // between normals of neighbouring facets, 11.5 degrees; bounds facets on small radii
-  void validate() const;  // throws InputError naming the value and the constraint
-};
 
 struct PartOptions {
   std::optional<LengthUnit>
