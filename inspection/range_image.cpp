@@ -1,0 +1,68 @@
+#include "inspection/range_image.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "geometry/error.h"
+
+namespace trueblade {
+namespace {
+
+void check_sizes(const ViewScan& view, const Deviations& deviations) {
+  if (view.usable.size() != deviations.size()) {
+    throw InputError(fmt::format("view '{}' has {} usable samples but {} deviations", view.view,
+                                 view.usable.size(), deviations.size()));
+  }
+  for (const std::uint32_t sample : view.usable) {
+    if (sample >= view.samples.size() || sample >= view.grid_index.size() ||
+        view.grid_index[sample] >= view.rows * view.columns) {
+      throw InputError(fmt::format("view '{}': sample {} lies outside the grid of {} x {} cells", view.view,
+                                   sample, view.rows, view.columns));
+    }
+  }
+}
+
+}  // namespace
+
+const RangeChannel* RangeImage::find(const std::string& name) const {
+  for (const RangeChannel& channel : channels) {
+    if (channel.name == name) return &channel;
+  }
+  return nullptr;
+}
+
+RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
+                          const RigidTransform& part_from_mcs, const RunFacts& run) {
+  check_sizes(view, deviations);
+  RangeImage image{view.columns, view.rows,           {},           part_from_mcs,
+                   view.view,    run.program_version, run.scenario, run.seed};
+
+  // Channel `name` holds value(i) at the cell of point i.
+  const auto add = [&](const std::string& name, float elsewhere, const auto& value) {
+    std::vector<float> values(view.rows * view.columns, elsewhere);
+    for (std::size_t i = 0; i < deviations.size(); ++i) {
+      values[view.grid_index[view.usable[i]]] = static_cast<float>(value(i));
+    }
+    image.channels.push_back({name, std::move(values)});
+  };
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const auto sample = [&](std::size_t i) -> const ProbeSample& { return view.samples[view.usable[i]]; };
+  const char* const axis_name[] = {"x", "y", "z"};
+
+  add("range", kNone, [&](std::size_t i) { return sample(i).distance_mm; });
+  add("snr", kNone, [&](std::size_t i) { return sample(i).snr; });
+  add("deviation", kNone, [&](std::size_t i) { return deviations.signed_mm[i]; });
+  for (int a = 0; a < 3; ++a) {
+    add(std::string("normal.") + axis_name[a], kNone, [&](std::size_t i) { return deviations.normal[i][a]; });
+  }
+  add("surface", kNone, [&](std::size_t i) { return deviations.surface[i]; });
+  for (int a = 0; a < 3; ++a) {
+    add(axis_name[a], kNone, [&](std::size_t i) { return deviations.point_mm[i][a]; });
+  }
+  add("outlier", kNone, [&](std::size_t i) { return deviations.outliers.is_outlier[i] ? 1.0 : 0.0; });
+  add("mask", 0.0F, [](std::size_t) { return 1.0; });
+  return image;
+}
+
+}  // namespace trueblade
