@@ -110,7 +110,6 @@ TEST_F(AtomicFile, AFullDiskLeavesTheOldFile) {
   std::signal(SIGXFSZ, old_handler);
 }
 
-// A writer that ignores the stream's state is found out too.
 TEST_F(AtomicFile, AFailureOfAnotherStreamIsNotOurs) {
   EXPECT_THROW(write_file_atomically(folder_ / "a.txt",
                                      [](std::ostream&) { throw std::ios_base::failure("a reader's own"); }),

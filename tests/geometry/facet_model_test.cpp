@@ -230,7 +230,7 @@ TEST(FacetModel, ToleranceDoesNotCollapseChains) {
   EXPECT_EQ(build.model.facet_count(), 9u);
 }
 
-// A million facets around one node: the cost must not grow with the square (that would be minutes).
+// 200,000 facets around one node: a cost that grew with the square would be minutes.
 TEST(FacetModel, TakesAVeryLargeFan) {
   constexpr std::uint32_t kSpokes = 200'000;
   FacetSoup soup;
