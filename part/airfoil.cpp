@@ -88,7 +88,7 @@ AirfoilSection read_airfoil(const std::filesystem::path& file) {
   std::vector<NumberedPoint> points;
   bool title_read = false;
   while (lines.next(line)) {
-    split_fields(line, "", fields);
+    split_fields(line, fields);
     if (fields.empty()) continue;
     if (!title_read) {
       title_read = true;

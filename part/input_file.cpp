@@ -67,25 +67,29 @@ bool TextLines::next(std::string_view& line) {
   return true;
 }
 
-void split_fields(std::string_view line, std::string_view more_separators,
-                  std::vector<std::string_view>& fields) {
+namespace {
+constexpr std::string_view kBlanks = " \t";
+}
+
+void split_fields(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
-  const auto is_blank = [](char c) { return c == ' ' || c == '\t'; };
-  const auto is_separator = [&](char c) { return more_separators.find(c) != std::string_view::npos; };
-  std::size_t i = 0;
-  bool field_expected = false;  // behind a separator a field must follow, if only an empty one
-  while (true) {
-    while (i < line.size() && is_blank(line[i])) ++i;
-    if (i == line.size()) {
-      if (field_expected) fields.emplace_back();
-      return;
-    }
-    const std::size_t begin = i;
-    while (i < line.size() && !is_blank(line[i]) && !is_separator(line[i])) ++i;
-    fields.push_back(line.substr(begin, i - begin));
-    while (i < line.size() && is_blank(line[i])) ++i;
-    field_expected = i < line.size() && is_separator(line[i]);
-    if (field_expected) ++i;
+  for (std::size_t begin = line.find_first_not_of(kBlanks); begin != std::string_view::npos;
+       begin = line.find_first_not_of(kBlanks, begin)) {
+    const std::size_t end = std::min(line.find_first_of(kBlanks, begin), line.size());
+    fields.push_back(line.substr(begin, end - begin));
+    begin = end;
+  }
+}
+
+void split_at(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const std::size_t end = std::min(line.find(separator, begin), line.size());
+    std::string_view field = line.substr(begin, end - begin);
+    field.remove_prefix(std::min(field.find_first_not_of(kBlanks), field.size()));
+    field = field.substr(0, field.find_last_not_of(kBlanks) + 1);
+    fields.push_back(field);
+    begin = end + 1;
   }
 }
 

@@ -39,10 +39,11 @@ class TextLines {
   std::size_t next_number_;
 };
 
-// Splits at blanks and tabs and at the characters of `more_separators`, of which one stands between two
-// fields ("1,,2" has an empty field).
-void split_fields(std::string_view line, std::string_view more_separators,
-                  std::vector<std::string_view>& fields);
+// Splits at blanks and tabs.
+void split_fields(std::string_view line, std::vector<std::string_view>& fields);
+
+// Splits at every `separator` ("1,,2" has an empty field) and trims blanks and tabs around each field.
+void split_at(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
 // "name:line: message" and the part of a token that fits into a message.
 InputError line_error(const std::filesystem::path& file, int line, const std::string& message);

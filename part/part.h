@@ -11,6 +11,7 @@
 #include "geometry/facet_model.h"
 #include "part/exact_surfaces.h"
 #include "part/faceting_options.h"
+#include "part/length_unit.h"
 #include "part/part_surface.h"
 
 namespace trueblade {
@@ -26,12 +27,6 @@ struct Part {
   std::shared_ptr<const ExactSurfaces> exact;
   std::vector<std::array<Vec2, 3>> facet_parameters;
 };
-
-// Length unit of files that carry none (STL, PLY, OBJ, point files).
-enum class LengthUnit { millimetre, centimetre, metre, inch, micrometre };
-double millimetres_per(LengthUnit unit);
-// "mm", "cm", "m", "in", "um"; throws InputError naming the valid units.
-LengthUnit parse_length_unit(const std::string& text);
 
 struct PartOptions {
   std::optional<LengthUnit>

@@ -36,6 +36,13 @@ InputError PlyFile::row_error(const PlyElement& element, std::size_t row, const 
   return line_error(path, static_cast<int>(line), message);
 }
 
+const PlyProperty& required_scalar(const PlyFile& ply, const PlyElement& element, const std::string& name) {
+  const PlyProperty* property = element.find(name);
+  if (!property || property->is_list)
+    throw file_error(ply.path.string(), "element " + element.name + " has no property " + name);
+  return *property;
+}
+
 namespace {
 
 struct TypeName {
@@ -152,7 +159,7 @@ class HeaderParser {
   bool next_fields() {
     do {
       if (!lines_.next(line_)) return false;
-      split_fields(line_, "", fields_);
+      split_fields(line_, fields_);
     } while (fields_.empty());
     return true;
   }
@@ -288,7 +295,7 @@ class AsciiBody {
       throw file_error(ply_.path.string(), "is truncated: element " + element.name + " has " +
                                                std::to_string(row) + " of " + std::to_string(element.rows) +
                                                " rows");
-    split_fields(line, "", fields_);
+    split_fields(line, fields_);
     field_ = 0;
     for (PlyProperty& property : element.properties) {
       if (!property.is_list) {

@@ -54,6 +54,9 @@ struct PlyFile {
 
 PlyFile read_ply(const std::filesystem::path& file);
 
+// The scalar property of that name. Throws InputError when the element has none.
+const PlyProperty& required_scalar(const PlyFile& ply, const PlyElement& element, const std::string& name);
+
 // Writes the comments and elements as binary little endian. Values must fit their types.
 void write_ply(std::ostream& stream, const PlyFile& ply);
 

@@ -21,7 +21,7 @@ class ObjReader {
 
   Part read() {
     for (std::string_view line; lines_.next(line);) {
-      split_fields(line.substr(0, line.find('#')), "", fields_);
+      split_fields(line.substr(0, line.find('#')), fields_);
       if (fields_.empty()) continue;
       const std::string_view keyword = fields_[0];
       if (keyword == "v")

@@ -9,13 +9,6 @@ namespace trueblade {
 
 namespace {
 
-const PlyProperty& required_scalar(const PlyFile& ply, const PlyElement& element, const std::string& name) {
-  const PlyProperty* property = element.find(name);
-  if (!property || property->is_list)
-    throw file_error(ply.path.string(), "element " + element.name + " has no property " + name);
-  return *property;
-}
-
 std::vector<Vec3> nodes_mm(const PlyFile& ply, LengthUnit unit) {
   const PlyElement* vertex = ply.find("vertex");
   if (!vertex) throw file_error(ply.path.string(), "has no element vertex");

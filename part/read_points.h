@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "geometry/scan_points.h"
-#include "part/part.h"
+#include "part/length_unit.h"
 
 namespace trueblade {
 

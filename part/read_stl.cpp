@@ -90,7 +90,7 @@ class AsciiStl {
     std::string_view line;
     do {
       if (!lines_.next(line)) return false;
-      split_fields(line, "", fields_);
+      split_fields(line, fields_);
     } while (fields_.empty());
     return true;
   }

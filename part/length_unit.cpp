@@ -1,4 +1,4 @@
-#include "part/part.h"
+#include "part/length_unit.h"
 
 #include "geometry/error.h"
 
@@ -27,14 +27,6 @@ LengthUnit parse_length_unit(const std::string& text) {
   if (text == "in") return LengthUnit::inch;
   if (text == "um") return LengthUnit::micrometre;
   throw InputError("unit is \"" + text + "\", must be one of mm, cm, m, in, um");
-}
-
-void FacetingOptions::validate() const {
-  if (!(chord_tolerance_mm > 0.0))
-    throw InputError("chord_tolerance_mm is " + std::to_string(chord_tolerance_mm) + ", must be above 0");
-  if (!(angular_tolerance_rad > 0.0 && angular_tolerance_rad <= 1.6))
-    throw InputError("angular_tolerance_rad is " + std::to_string(angular_tolerance_rad) +
-                     ", must be above 0 and at most 1.6");
 }
 
 }  // namespace trueblade
