@@ -3,7 +3,7 @@
 
 #include <TopoDS_Wire.hxx>
 
-#include "part/sew_solid.h"
+#include "part/cad_solid.h"
 #include "part/turbine_blade_parameters.h"
 
 namespace trueblade {
