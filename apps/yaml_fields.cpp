@@ -49,12 +49,6 @@ std::string degrees_text(double radians) {
 
 namespace {
 
-std::string_view without_unit(std::string_view name) {
-  for (const std::string_view unit : {"_deg", "_rad"})
-    if (name.ends_with(unit)) return name.substr(0, name.size() - unit.size());
-  return name;
-}
-
 template <class Integer>
 std::optional<Integer> parse_integer(const std::string& text) {
   Integer value{};
@@ -69,10 +63,7 @@ void YamlFields::check(const std::function<void()>& validate) const {
   try {
     validate();
   } catch (const InputError& failure) {
-    const std::string message = failure.what();
-    // The libraries speak of fields in radians; the key in the file is in degrees.
-    const std::string field = message.substr(0, message.find_first_of(" :"));
-    throw error(std::string(without_unit(field)), message);
+    throw error_about(failure.what());
   }
 }
 
@@ -107,23 +98,43 @@ void YamlFields::angle(std::string_view key, double& value_rad, const NumberCons
   if (scalar(key, text) && reading()) value_rad = radians_from_degrees(parse(key, text, constraint));
 }
 
-void YamlFields::integer(std::string_view key, std::uint64_t& value, std::uint64_t least,
-                         std::uint64_t most) {
+void YamlFields::angle(std::string_view key, std::optional<double>& value_rad,
+                       const NumberConstraint& constraint) {
+  if (reading() && present(key)) value_rad.emplace();
+  if (value_rad) angle(key, *value_rad, constraint);
+}
+
+template <class Integer>
+void YamlFields::whole_number(std::string_view key, Integer& value, Integer least, Integer most) {
   std::string text = fmt::format("{}", value);
   if (!scalar(key, text) || !reading()) return;
-  const auto parsed = parse_integer<std::uint64_t>(text);
+  const auto parsed = parse_integer<Integer>(text);
   if (!parsed || *parsed < least || *parsed > most)
     throw error(key, fmt::format("{} is {}, must be a whole number from {} to {}", key, text, least, most));
   value = *parsed;
 }
 
+void YamlFields::integer(std::string_view key, std::uint64_t& value, std::uint64_t least,
+                         std::uint64_t most) {
+  whole_number(key, value, least, most);
+}
+void YamlFields::integer(std::string_view key, std::int64_t& value, std::int64_t least, std::int64_t most) {
+  whole_number(key, value, least, most);
+}
 void YamlFields::integer(std::string_view key, int& value, int least, int most) {
-  std::string text = fmt::format("{}", value);
-  if (!scalar(key, text) || !reading()) return;
-  const auto parsed = parse_integer<int>(text);
-  if (!parsed || *parsed < least || *parsed > most)
-    throw error(key, fmt::format("{} is {}, must be a whole number from {} to {}", key, text, least, most));
-  value = *parsed;
+  whole_number(key, value, least, most);
+}
+
+void YamlFields::integers(std::string_view key, std::vector<std::uint32_t>& values) {
+  std::vector<std::string> texts;
+  for (const std::uint32_t value : values) texts.push_back(fmt::format("{}", value));
+  if (!scalars(key, texts) || !reading()) return;
+  values.clear();
+  for (const std::string& text : texts) {
+    const auto parsed = parse_integer<std::uint32_t>(text);
+    if (!parsed) throw error(key, fmt::format("{} holds \"{}\", must be whole numbers from 0", key, text));
+    values.push_back(*parsed);
+  }
 }
 
 void YamlFields::flag(std::string_view key, bool& value) {

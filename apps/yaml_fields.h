@@ -53,7 +53,10 @@ class YamlFields {
   virtual void fail_unless(bool holds, const std::string& message) = 0;
   // Reading: an error that names file and line of the key, where it stands, or else of this map.
   virtual InputError error(std::string_view key, const std::string& message) const = 0;
-  // Calls `validate`; an InputError that begins with the name of a field gets the file and line of its key.
+  // Reading: the same for a message that speaks of keys in its own words.
+  virtual InputError error_about(const std::string& message) const = 0;
+  // Calls `validate`; an InputError gets the file and line of the first key that its words name (a key of an
+  // inner map as "map.key"; _rad stands for _deg), or else of this map.
   void check(const std::function<void()>& validate) const;
 
   void number(std::string_view key, double& value, const NumberConstraint& constraint = any_number());
@@ -61,8 +64,12 @@ class YamlFields {
               const NumberConstraint& constraint = any_number());
   // `key` ends in _deg; the constraint is on degrees.
   void angle(std::string_view key, double& value_rad, const NumberConstraint& constraint = any_number());
+  void angle(std::string_view key, std::optional<double>& value_rad,
+             const NumberConstraint& constraint = any_number());
   void integer(std::string_view key, std::uint64_t& value, std::uint64_t least, std::uint64_t most);
+  void integer(std::string_view key, std::int64_t& value, std::int64_t least, std::int64_t most);
   void integer(std::string_view key, int& value, int least, int most);
+  void integers(std::string_view key, std::vector<std::uint32_t>& values);
   void flag(std::string_view key, bool& value);
   void text(std::string_view key, std::string& value);
   void vector(std::string_view key, Vec3& value);
@@ -76,6 +83,10 @@ class YamlFields {
 
   template <class Enum>
   void choice(std::string_view key, Enum& value,
+              std::span<const std::pair<std::string_view, Enum>> names_of_values);
+
+  template <class Enum>
+  void choice(std::string_view key, std::optional<Enum>& value,
               std::span<const std::pair<std::string_view, Enum>> names_of_values);
 
   virtual void map(std::string_view key, const MapFunction& fields_of_map) = 0;
@@ -105,6 +116,8 @@ class YamlFields {
                           const NameFunction& fields_of_item) = 0;
 
  private:
+  template <class Integer>
+  void whole_number(std::string_view key, Integer& value, Integer least, Integer most);
   double parse(std::string_view key, const std::string& text, const NumberConstraint& constraint) const;
   bool numbers(std::string_view key, std::span<double> values);
   [[noreturn]] void fail_choice(std::string_view key, const std::string& text,
@@ -135,6 +148,13 @@ void YamlFields::choice(std::string_view key, Enum& value,
       return;
     }
   fail_choice(key, text, valid);
+}
+
+template <class Enum>
+void YamlFields::choice(std::string_view key, std::optional<Enum>& value,
+                        std::span<const std::pair<std::string_view, Enum>> names_of_values) {
+  if (reading() && present(key)) value.emplace();
+  if (value) choice(key, *value, names_of_values);
 }
 
 template <class Value>

@@ -140,7 +140,18 @@ class MapReader final : public YamlFields {
   }
 
   InputError error(std::string_view key, const std::string& message) const override {
-    return line_error(file_, line_of(key), message);
+    const auto line = line_of(map_, key);
+    return line_error(file_, line.value_or(map_.line), message);
+  }
+  InputError error_about(const std::string& message) const override {
+    constexpr std::string_view kBetweenWords = " :,;()[]{}\"'=";
+    for (std::size_t begin = 0; begin < message.size();) {
+      const std::size_t end = std::min(message.find_first_of(kBetweenWords, begin), message.size());
+      if (const auto line = line_of(map_, message.substr(begin, end - begin)))
+        return line_error(file_, *line, message);
+      begin = end + 1;
+    }
+    return line_error(file_, map_.line, message);
   }
 
   void map(std::string_view key, const MapFunction& fields_of_map) override {
@@ -224,11 +235,18 @@ class MapReader final : public YamlFields {
     reader.finish();
   }
 
-  // A key may be named without its unit (see YamlFields::check).
-  int line_of(std::string_view key) const {
-    for (std::size_t i = 0; i < map_.keys.size(); ++i)
-      if (map_.keys[i] == key || map_.keys[i] == fmt::format("{}_deg", key)) return map_.key_lines[i];
-    return map_.line;
+  // Where the key stands, or the first part of "key.inner_key". The libraries speak of fields in radians; the
+  // key in the file is in degrees.
+  static std::optional<int> line_of(const YamlNode& map, std::string_view path) {
+    const std::size_t dot = path.find('.');
+    std::string key(path.substr(0, dot));
+    if (key.ends_with("_rad")) key.replace(key.size() - 4, 4, "_deg");
+    for (std::size_t i = 0; i < map.keys.size(); ++i) {
+      if (map.keys[i] != key) continue;
+      if (dot == std::string_view::npos) return map.key_lines[i];
+      return line_of(map.items[i], path.substr(dot + 1)).value_or(map.key_lines[i]);
+    }
+    return std::nullopt;
   }
 
   InputError unknown_key(const std::string& key, int line) const {

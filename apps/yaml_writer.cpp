@@ -17,6 +17,7 @@ class MapWriter final : public YamlFields {
   InputError error(std::string_view, const std::string& message) const override {
     return InputError(message);
   }
+  InputError error_about(const std::string& message) const override { return InputError(message); }
 
   void map(std::string_view key, const MapFunction& fields_of_map) override {
     out_ << YAML::Key << std::string(key) << YAML::Value << YAML::BeginMap;

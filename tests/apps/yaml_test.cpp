@@ -236,19 +236,24 @@ TEST(YamlReader, NamesTheLineOfBrokenSyntax) {
 TEST(YamlReader, AttachesTheLineToAComplaintOfALibrary) {
   const auto complain_about = [](const std::string& complaint) {
     try {
-      read_yaml_text("a: {\n  tolerance_deg: 1 }\n", "sample.yaml", [&](YamlFields& io) {
-        io.map("a", [&](YamlFields& inner) {
-          double tolerance_rad = 0.0;
-          inner.angle("tolerance_deg", tolerance_rad);
-          inner.check([&] { throw InputError(complaint); });
-        });
-      });
+      read_yaml_text("a: {\n  tolerance_deg: 1,\n  b: {\n    depth: 2 } }\n", "sample.yaml",
+                     [&](YamlFields& io) {
+                       io.map("a", [&](YamlFields& a) {
+                         double unused = 0.0;
+                         a.angle("tolerance_deg", unused);
+                         a.map("b", [&](YamlFields& b) { b.number("depth", unused); });
+                         a.check([&] { throw InputError(complaint); });
+                       });
+                     });
     } catch (const InputError& failure) {
       return std::string(failure.what());
     }
     return std::string("no error");
   };
   EXPECT_EQ(complain_about("tolerance_rad is 1, must be 2"), "sample.yaml:2: tolerance_rad is 1, must be 2");
+  EXPECT_EQ(complain_about("lens x: tolerance_rad is 1"), "sample.yaml:2: lens x: tolerance_rad is 1");
+  EXPECT_EQ(complain_about("b.depth is 2"), "sample.yaml:4: b.depth is 2");
+  EXPECT_EQ(complain_about("b.width is 2"), "sample.yaml:3: b.width is 2");
   EXPECT_EQ(complain_about("the whole is odd"), "sample.yaml:1: the whole is odd");
 }
 

@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/inspect_scenario.h"
+#include "inspection/result_json.h"
+#include "inspection/table.h"
+
+namespace trueblade {
+namespace {
+
+struct InspectOptions {
+  std::string scenario;
+  std::filesystem::path out;
+  std::optional<std::uint64_t> seed;
+};
+
+bool within_tolerance(const ViewResult& view, const std::pair<double, double>& tolerance_mm) {
+  return view.statistics.min_mm >= tolerance_mm.first && view.statistics.max_mm <= tolerance_mm.second;
+}
+
+// What failed although the inspection ran; empty when nothing did.
+std::vector<std::string> failures(const Scenario& scenario, const InspectionResult& result) {
+  std::vector<std::string> found;
+  for (const ViewResult& view : result.views) {
+    const Termination termination = view.registration.termination;
+    if (!is_converged(termination))
+      found.push_back(
+          fmt::format("view {}: the registration did not converge ({})", view.view, to_string(termination)));
+    const auto& tolerance = scenario.inspection.tolerance_mm;
+    if (tolerance && !within_tolerance(view, *tolerance))
+      found.push_back(fmt::format(
+          "view {}: deviations from {:.4f} to {:.4f} mm leave the tolerance of {} to {} mm", view.view,
+          view.statistics.min_mm, view.statistics.max_mm, tolerance->first, tolerance->second));
+  }
+  return found;
+}
+
+void print_explanation(const InspectionResult& result, const std::filesystem::path& folder) {
+  fmt::print(R"(
+RMS, min and max are signed distances of the measured points from the nominal surface after registration, positive
+outside the material; points beyond 3 standard deviations (black in the picture) are left out. The initial RMS is
+that of the machine set-up alone. The pose error compares with the true pose, which only a simulation knows.
+
+Report: {}
+)",
+             folder.string());
+  for (const ViewResult& view : result.views)
+    fmt::print(
+        "  {0}.png  the part with the points coloured by deviation;  deviations_{0}.ply  the same for "
+        "CloudCompare "
+        "or MeshLab\n"
+        "  scan_{0}.ply  the points as measured;  {0}.exr  the range image\n",
+        view.view);
+  fmt::print(
+      "  result.json  all numbers;  resolved.yaml  the scenario with all defaults, which runs again\n");
+}
+
+int inspect(const InspectOptions& options, bool json) {
+  Scenario scenario = read_scenario(options.scenario);
+  if (options.seed) scenario.seed = *options.seed;
+  const std::filesystem::path folder =
+      options.out.empty() ? std::filesystem::path("results/runs") / scenario.name : options.out;
+  const InspectionRun run = inspect_scenario(scenario, folder);
+
+  if (json) {
+    fmt::print("{}\n", result_json(run.result).dump(2));
+  } else {
+    fmt::print("{}", inspection_table(run.result));
+    print_explanation(run.result, folder);
+  }
+  const std::vector<std::string> found = failures(scenario, run.result);
+  for (const std::string& failure : found) fmt::print(stderr, "trueblade: {}\n", failure);
+  return found.empty() ? ExitCode::done : ExitCode::expectation_failed;
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& app, CommandLine& line) {
+  auto options = std::make_shared<InspectOptions>();
+  CLI::App* command = app.add_subcommand(
+      "inspect", "Scan on the scenario's machine, register every view to the part, evaluate, report");
+  command->add_option("scenario", options->scenario, "Scenario file (YAML)")->required()->type_name("FILE");
+  command->add_option("--out", options->out, "Folder of the report (default: results/runs/<scenario name>)")
+      ->type_name("DIR");
+  command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
+      ->type_name("N");
+  command->add_flag("--json", line.json, "Print result.json on standard output instead of the table");
+  command->footer(R"(
+Example:
+  trueblade inspect scenarios/turbine_blade_front.yaml --out /tmp/report --seed 7)");
+  command->callback(
+      [options, &line] { line.chosen = [options, &line] { return inspect(*options, line.json); }; });
+}
+
+}  // namespace trueblade

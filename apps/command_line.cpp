@@ -1,0 +1,120 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "apps/command.h"
+#include "apps/console.h"
+#include "apps/interrupt.h"
+#include "apps/nearest_word.h"
+#include "apps/version.h"
+#include "geometry/error.h"
+#include "hardware/machine_driver.h"
+
+namespace trueblade {
+namespace {
+
+constexpr const char* kExamples = R"(
+Examples:
+  trueblade inspect scenarios/turbine_blade_front.yaml
+      scans the demonstration blade on the simulated machine, registers the scan to the CAD model, prints
+      the table and writes the report to results/runs/turbine_blade_front
+  trueblade part info blade.step
+      what is in a CAD or mesh file: surfaces, facets, size, defects
+  trueblade register --part blade.step --scan points.xyz --scan-unit mm --out report
+      aligns measured points from any machine to a part and reports the deviations
+  trueblade regress scenarios/*.yaml
+      holds scenarios to their own `expect:` blocks
+
+Exit codes: 0 done; 1 ran, but an expectation, a tolerance or the convergence failed; 2 bad input or usage;
+3 machine fault; 130 interrupted by Ctrl-C (what was finished is kept).
+`trueblade COMMAND --help` explains a command.)";
+
+std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : commands) names.push_back(command->get_name());
+  return names;
+}
+
+// The command that the words lead to, as far as they are known.
+const CLI::App* command_of(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const CLI::App* command = &app;
+  for (const std::string& word : arguments) {
+    const CLI::App* next = nullptr;
+    for (const CLI::App* candidate : command->get_subcommands([](const CLI::App*) { return true; }))
+      if (candidate->get_name() == word) next = candidate;
+    if (!next) return command;
+    command = next;
+  }
+  return command;
+}
+
+// CLI11 says that a word was not expected; a newcomer wants to know which one was meant.
+void suggest_nearest(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const CLI::App* command = command_of(app, arguments);
+  std::vector<std::string> known = names_of(command->get_subcommands([](const CLI::App*) { return true; }));
+  for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
+  for (const std::string& word : arguments) {
+    const bool is_known =
+        command_of(app, {word}) != &app || std::find(known.begin(), known.end(), word) != known.end();
+    if (is_known) continue;
+    if (const auto nearest = nearest_word(word, known))
+      fmt::print(stderr, "\"{}\": did you mean \"{}\"?\n", word, *nearest);
+  }
+}
+
+int parse_and_run(const std::vector<std::string>& arguments) {
+  CLI::App app(
+      "Inspects free-form parts: scans them on a simulated or real machine, registers the scan to the\n"
+      "CAD model and reports the deviations.",
+      "trueblade");
+  app.footer(kExamples);
+  app.require_subcommand(1);
+  app.set_version_flag("--version",
+                       fmt::format("trueblade {} (commit {})", program_version(), program_commit()),
+                       "Print the version and the commit");
+
+  CommandLine line;
+  add_inspect_command(app, line);
+  add_scan_command(app, line);
+  add_register_command(app, line);
+  add_part_command(app, line);
+  add_regress_command(app, line);
+
+  try {
+    // CLI11 takes the words from the back.
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ParseError& stop) {
+    const bool asked_for_help = stop.get_exit_code() == 0;
+    app.exit(stop);
+    if (asked_for_help) return ExitCode::done;
+    suggest_nearest(app, arguments);
+    return ExitCode::bad_input;
+  }
+  const int code = line.chosen();
+  if (!interrupted()) return code;
+  spdlog::warn("interrupted; what was finished is kept");
+  return ExitCode::interrupted_by_user;
+}
+
+}  // namespace
+
+int run_command_line(std::vector<std::string> arguments) {
+  start_log();
+  catch_interrupts();
+  try {
+    return parse_and_run(arguments);
+  } catch (const InputError& failure) {
+    spdlog::error("error: {}", failure.what());
+    return ExitCode::bad_input;
+  } catch (const MachineFault& failure) {
+    if (interrupted()) return ExitCode::interrupted_by_user;
+    spdlog::error("machine fault: {}", failure.what());
+    return ExitCode::machine_fault;
+  } catch (const std::bad_alloc&) {
+    spdlog::error("error: the input needs more memory than there is");
+    return ExitCode::bad_input;
+  }
+}
+
+}  // namespace trueblade

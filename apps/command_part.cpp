@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/part_fields.h"
+#include "apps/yaml_reader.h"
+#include "part/write_mesh.h"
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct FileOptions {
+  std::string file;
+  std::string unit;
+  FacetingOptions faceting;
+  std::optional<double> angular_tolerance_deg;
+  std::filesystem::path out;  // of `facet`
+};
+
+struct MakeOptions {
+  std::string kind;
+  std::filesystem::path parameters;
+  std::filesystem::path out;
+};
+
+Json box_json(const FacetModel& model) {
+  const Vec3 low = model.lower_corner_mm(), high = model.upper_corner_mm();
+  return {{"lower_mm", {low.x(), low.y(), low.z()}}, {"upper_mm", {high.x(), high.y(), high.z()}}};
+}
+
+Json part_json(const Part& part) {
+  const FacetModelReport& report = part.report;
+  return {{"name", part.name},
+          {"surfaces", part.surfaces.size()},
+          {"facets", part.model.facet_count()},
+          {"nodes", part.model.node_count()},
+          {"bounding_box", box_json(part.model)},
+          {"area_mm2", part.model.area_mm2()},
+          {"volume_mm3", report.closed ? Json(part.model.volume_mm3()) : Json(nullptr)},
+          {"closed", report.closed},
+          {"exact_surfaces", part.exact != nullptr},
+          {"shells", report.shells},
+          {"holes", report.holes},
+          {"boundary_edges", report.boundary_edges},
+          {"non_manifold_edges", report.non_manifold_edges},
+          {"inconsistent_edges", report.inconsistent_edges},
+          {"nodes_welded", report.nodes_welded},
+          {"degenerate_removed", report.degenerate_removed},
+          {"duplicate_removed", report.duplicate_removed},
+          {"unused_nodes_removed", report.unused_nodes_removed}};
+}
+
+// "58 b-spline, 44 plane", by falling number.
+std::string surface_kinds(const Part& part) {
+  std::map<std::string, std::size_t> count_of;
+  for (const PartSurface& surface : part.surfaces) ++count_of[surface.kind];
+  std::vector<std::pair<std::size_t, std::string>> kinds;
+  for (const auto& [kind, count] : count_of) kinds.emplace_back(count, kind);
+  std::sort(kinds.rbegin(), kinds.rend());
+  std::string words;
+  for (const auto& [count, kind] : kinds)
+    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, kind);
+  return words;
+}
+
+void print_part(const Part& part) {
+  const FacetModel& model = part.model;
+  const FacetModelReport& report = part.report;
+  const Vec3 low = model.lower_corner_mm(), high = model.upper_corner_mm();
+  const Vec3 size = high - low;
+  fmt::print("part          {}\n", part.name);
+  fmt::print("surfaces      {} ({})\n", part.surfaces.size(), surface_kinds(part));
+  fmt::print("facets        {}\n", model.facet_count());
+  fmt::print("nodes         {}\n", model.node_count());
+  fmt::print(
+      "bounding box  {:.3f} x {:.3f} x {:.3f} mm, from ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, "
+      "{:.3f})\n",
+      size.x(), size.y(), size.z(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
+  fmt::print("area          {:.3f} mm2\n", model.area_mm2());
+  if (report.closed)
+    fmt::print("volume        {:.3f} mm3\n", model.volume_mm3());
+  else
+    fmt::print("volume        none, the part is not closed\n");
+  fmt::print("closed        {}\n", report.closed ? "yes" : "no");
+  fmt::print("shells        {}\n", report.shells);
+  fmt::print(
+      "defects       {} holes ({} boundary edges), {} non-manifold edges, {} edges where the orientation "
+      "disagrees\n",
+      report.holes, report.boundary_edges, report.non_manifold_edges, report.inconsistent_edges);
+  fmt::print(
+      "repaired      {} nodes welded, {} degenerate and {} duplicate facets removed, {} unused nodes "
+      "removed\n",
+      report.nodes_welded, report.degenerate_removed, report.duplicate_removed, report.unused_nodes_removed);
+}
+
+Part read(const FileOptions& options) {
+  PartOptions part;
+  if (!options.unit.empty()) part.unit = parse_length_unit(options.unit);
+  part.faceting = options.faceting;
+  if (options.angular_tolerance_deg)
+    part.faceting.angular_tolerance_rad = radians_from_degrees(*options.angular_tolerance_deg);
+  part.faceting.validate();
+  return read_part(options.file, part);
+}
+
+int info(const FileOptions& options, bool json) {
+  const Part part = read(options);
+  if (json)
+    fmt::print("{}\n", part_json(part).dump(2));
+  else
+    print_part(part);
+  return ExitCode::done;
+}
+
+int facet(const FileOptions& options, bool json) {
+  const Part part = read(options);
+  write_mesh(part, options.out);
+  if (json)
+    fmt::print("{}\n", part_json(part).dump(2));
+  else
+    fmt::print("{}: {} facets of {} surfaces -> {}\n", part.name, part.model.facet_count(),
+               part.surfaces.size(), options.out.string());
+  return ExitCode::done;
+}
+
+int make(const MakeOptions& options) {
+  TurbineBladeParameters blade;
+  FormedPartParameters formed;
+  const bool is_blade = options.kind == "turbine_blade";
+  if (!options.parameters.empty())
+    read_yaml(options.parameters, [&](YamlFields& io) {
+      if (is_blade)
+        fields(io, blade, options.parameters.parent_path());
+      else
+        fields(io, formed);
+    });
+  if (is_blade)
+    write_turbine_blade(blade, options.out);
+  else
+    write_formed_part(formed, options.out);
+  fmt::print("{}: {} surfaces -> {}\n", options.kind, is_blade ? surface_count(blade) : surface_count(formed),
+             options.out.string());
+  return ExitCode::done;
+}
+
+void add_file_options(CLI::App& command, FileOptions& options) {
+  command.add_option("file", options.file, "STEP, IGES, STL, PLY or OBJ file")->required()->type_name("FILE");
+  command.add_option("--unit", options.unit, "Unit of STL, PLY and OBJ files: mm, cm, m, in or um")
+      ->type_name("UNIT");
+  command
+      .add_option("--chord-tolerance-mm", options.faceting.chord_tolerance_mm,
+                  "Largest distance between facets and CAD surface (default: 0.01)")
+      ->type_name("MM");
+  command
+      .add_option(
+          "--angular-tolerance-deg", options.angular_tolerance_deg,
+          "Largest angle between neighbouring facets of a CAD surface (default: 0.2 rad, 11.5 degrees)")
+      ->type_name("DEG");
+}
+
+}  // namespace
+
+void add_part_command(CLI::App& app, CommandLine& line) {
+  CLI::App* part = app.add_subcommand("part", "Facts about a part, its faceting, and demonstration parts");
+  part->require_subcommand(1);
+  part->footer(R"(
+Examples:
+  trueblade part info blade.step
+  trueblade part info scan.stl --unit mm
+  trueblade part facet blade.step --chord-tolerance-mm 0.005 --out blade.ply
+  trueblade part make turbine_blade --out blade.step)");
+
+  auto info_options = std::make_shared<FileOptions>();
+  CLI::App* info_command =
+      part->add_subcommand("info", "Surfaces, facets, size, area, volume and defects of a file");
+  add_file_options(*info_command, *info_options);
+  info_command->add_flag("--json", line.json, "Print the facts as JSON on standard output");
+  info_command->callback([info_options, &line] {
+    line.chosen = [info_options, &line] { return info(*info_options, line.json); };
+  });
+
+  auto facet_options = std::make_shared<FileOptions>();
+  CLI::App* facet_command = part->add_subcommand("facet", "Facet a part and write the facets as a mesh");
+  add_file_options(*facet_command, *facet_options);
+  facet_command->add_option("--out", facet_options->out, "Mesh to write: .ply, .stl or .obj, in mm")
+      ->required()
+      ->type_name("FILE");
+  facet_command->add_flag("--json", line.json, "Print the facts of the part as JSON on standard output");
+  facet_command->callback([facet_options, &line] {
+    line.chosen = [facet_options, &line] { return facet(*facet_options, line.json); };
+  });
+
+  auto make_options = std::make_shared<MakeOptions>();
+  CLI::App* make_command = part->add_subcommand("make", "Build a demonstration part and write it as STEP");
+  make_command->add_option("kind", make_options->kind, "turbine_blade or formed_part")
+      ->required()
+      ->check(CLI::IsMember({"turbine_blade", "formed_part"}));
+  make_command
+      ->add_option("--parameters", make_options->parameters,
+                   "Parameters that differ from the defaults (YAML)")
+      ->type_name("FILE");
+  make_command->add_option("--out", make_options->out, "STEP file to write")->required()->type_name("FILE");
+  make_command->callback(
+      [make_options, &line] { line.chosen = [make_options] { return make(*make_options); }; });
+}
+
+}  // namespace trueblade

@@ -1,0 +1,138 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/evaluate_view.h"
+#include "apps/part_fields.h"
+#include "apps/registration_fields.h"
+#include "apps/version.h"
+#include "apps/yaml_reader.h"
+#include "geometry/atomic_file.h"
+#include "inspection/deviation_ply.h"
+#include "inspection/result_json.h"
+#include "inspection/table.h"
+#include "part/read_points.h"
+
+namespace trueblade {
+namespace {
+
+struct RegisterOptions {
+  PartSpec part;
+  std::string part_file, unit;
+  std::string scan_file, scan_unit;
+  std::string initial_file;
+  std::string preset = "default";
+  std::string options_file;
+  std::string out;
+  bool cross_check = false;
+};
+
+std::optional<LengthUnit> unit_of(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  return parse_length_unit(text);
+}
+
+RigidTransform read_initial_pose(const std::string& file) {
+  RigidTransform part_from_mcs;
+  if (!file.empty()) read_yaml(file, [&](YamlFields& io) { io.pose("part_from_mcs", part_from_mcs); });
+  return part_from_mcs;
+}
+
+RegistrationSpec registration_of(const RegisterOptions& options) {
+  RegistrationSpec spec;
+  if (options.options_file.empty()) {
+    spec.preset = options.preset;
+    spec.options = preset(options.preset);
+  } else {
+    spec = read_registration_options(options.options_file);
+  }
+  spec.options.cross_check |= options.cross_check;
+  return spec;
+}
+
+void write_report(const std::filesystem::path& folder, const InspectionResult& result,
+                  const EvaluatedView& view) {
+  create_output_folder(folder);
+  write_deviation_ply(folder / fmt::format("deviations_{}.ply", view.result.view), view.deviations,
+                      view.result.view, result.run);
+  write_result_json(folder / "result.json", result);
+  spdlog::info("report: {}", folder.string());
+}
+
+int run_registration(const RegisterOptions& options, bool json) {
+  const RegistrationSpec registration = registration_of(options);
+  const RigidTransform initial = read_initial_pose(options.initial_file);
+  PartOptions part_options;
+  part_options.unit = unit_of(options.unit);
+  const Part part = read_part(options.part_file, part_options);
+  const ScanPoints scan = read_points(options.scan_file, unit_of(options.scan_unit));
+  spdlog::info("part {}: {} facets; scan {}: {} points", options.part_file, part.model.facet_count(),
+               options.scan_file, scan.size());
+
+  const RegistrationTarget target(part);
+  const EvaluatedView view = evaluate_view(target, "scan", scan, initial, registration.options,
+                                           DeviationSurface::exact, std::nullopt);
+  InspectionResult result;
+  result.run.program_version = fmt::format("{} ({})", program_version(), program_commit());
+  result.run.part = options.part_file;
+  result.run.surfaces = part.surfaces.size();
+  result.run.facets = part.model.facet_count();
+  result.run.registration_preset = registration.preset;
+  result.run.deviations_from = to_string(DeviationSurface::exact);
+  result.run.colour_limit_mm = rounded_colour_limit_mm(view.result.statistics.rms_mm);
+  result.views.push_back(view.result);
+  if (!options.out.empty()) write_report(options.out, result, view);
+
+  if (json)
+    fmt::print("{}\n", result_json(result).dump(2));
+  else
+    fmt::print("{}", inspection_table(result));
+  const Termination termination = view.result.registration.termination;
+  if (is_converged(termination)) return ExitCode::done;
+  spdlog::warn("the registration did not converge ({})", to_string(termination));
+  return ExitCode::expectation_failed;
+}
+
+}  // namespace
+
+void add_register_command(CLI::App& app, CommandLine& line) {
+  auto options = std::make_shared<RegisterOptions>();
+  CLI::App* command =
+      app.add_subcommand("register", "Align measured points from a file to a part and report the deviations");
+  command->add_option("--part", options->part_file, "STEP, IGES, STL, PLY or OBJ file")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--unit", options->unit, "Unit of an STL, PLY or OBJ part: mm, cm, m, in or um")
+      ->type_name("UNIT");
+  command->add_option("--scan", options->scan_file, "Points: PLY, XYZ, ASC, TXT, CSV or PCD file")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--scan-unit", options->scan_unit, "Unit of the points, unless the file states it")
+      ->type_name("UNIT");
+  command
+      ->add_option(
+          "--initial", options->initial_file,
+          "Where the scan lies to begin with: YAML or JSON with part_from_mcs: {rotation_wxyz: [w, x, y, z], "
+          "translation_mm: [x, y, z]} (default: as the coordinates are)")
+      ->type_name("FILE");
+  CLI::Option* preset_option =
+      command->add_option("--preset", options->preset, "default, or zhu2007: as published")
+          ->type_name("NAME");
+  command->add_option("--options", options->options_file, "Registration options (YAML), as in a scenario")
+      ->type_name("FILE")
+      ->excludes(preset_option);
+  command->add_option("--out", options->out, "Folder for result.json and deviations_scan.ply")
+      ->type_name("DIR");
+  command->add_flag("--cross-check", options->cross_check,
+                    "Compare the result with independent answers by Ceres");
+  command->add_flag("--json", line.json, "Print result.json on standard output instead of the table");
+  command->footer(R"(
+Example:
+  trueblade register --part blade.step --scan points.xyz --scan-unit mm --out report)");
+  command->callback(
+      [options, &line] { line.chosen = [options, &line] { return run_registration(*options, line.json); }; });
+}
+
+}  // namespace trueblade

@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/interrupt.h"
+#include "apps/measure.h"
+#include "geometry/atomic_file.h"
+#include "hardware/scan_file.h"
+
+namespace trueblade {
+namespace {
+
+struct ScanOptions {
+  std::string scenario;
+  std::filesystem::path out;
+  std::optional<std::uint64_t> seed;
+};
+
+// One view: the file as named. Several: scan.ply becomes scan_front.ply, scan_back.ply ...
+std::filesystem::path file_of_view(const ScanOptions& options, const Scenario& scenario,
+                                   const std::string& view) {
+  if (scenario.scan.views.size() == 1) return options.out;
+  const std::string name =
+      fmt::format("{}_{}{}", options.out.stem().string(), view, options.out.extension().string());
+  return options.out.parent_path() / name;
+}
+
+int scan(const ScanOptions& options, bool json) {
+  Scenario scenario = read_scenario(options.scenario);
+  if (options.seed) scenario.seed = *options.seed;
+  const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
+  Measurement measurement(scenario, nominal);
+
+  nlohmann::ordered_json files = nlohmann::ordered_json::array();
+  for (const ViewSpec& view : scenario.scan.views) {
+    const MeasuredView measured = measurement.measure(view);
+    const std::filesystem::path file = file_of_view(options, scenario, view.name);
+    write_scan(file, measured.scan);
+    files.push_back({{"view", view.name},
+                     {"file", file.string()},
+                     {"planned", measured.planned},
+                     {"samples", measured.scan.samples.size()},
+                     {"points", measured.scan.points.size()},
+                     {"complete", measured.scan.complete}});
+    if (!json)
+      fmt::print("{}: {} points of {} planned -> {}\n", view.name, measured.scan.points.size(),
+                 measured.planned, file.string());
+    if (interrupted()) break;
+  }
+  if (json) fmt::print("{}\n", files.dump(2));
+  return ExitCode::done;
+}
+
+}  // namespace
+
+void add_scan_command(CLI::App& app, CommandLine& line) {
+  auto options = std::make_shared<ScanOptions>();
+  CLI::App* command = app.add_subcommand("scan", "Only measure: write the points of every view as PLY");
+  command->add_option("scenario", options->scenario, "Scenario file (YAML)")->required()->type_name("FILE");
+  command->add_option("--out", options->out, "Scan file (.ply); several views add _<view> to its name")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
+      ->type_name("N");
+  command->add_flag("--json", line.json, "Print the list of files as JSON on standard output");
+  command->footer(R"(
+Example:
+  trueblade scan scenarios/turbine_blade_front.yaml --out blade.ply)");
+  command->callback(
+      [options, &line] { line.chosen = [options, &line] { return scan(*options, line.json); }; });
+}
+
+}  // namespace trueblade

@@ -1,0 +1,26 @@
+// From a measured view to its result: register, take the deviations, make the statistics.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "geometry/scan_points.h"
+#include "inspection/deviations.h"
+#include "inspection/result.h"
+#include "registration/options.h"
+#include "registration/target.h"
+
+namespace trueblade {
+
+struct EvaluatedView {
+  ViewResult result;
+  Deviations deviations;
+};
+
+// Throws InputError (see register_scan, evaluate_deviations).
+EvaluatedView evaluate_view(const RegistrationTarget& target, const std::string& name, const ScanPoints& scan,
+                            const RigidTransform& initial_part_from_mcs, const RegistrationOptions& options,
+                            DeviationSurface surface,
+                            const std::optional<RigidTransform>& true_part_from_mcs);
+
+}  // namespace trueblade

@@ -1,0 +1,142 @@
+#include "apps/inspect_scenario.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <ctime>
+
+#include "apps/evaluate_view.h"
+#include "apps/interrupt.h"
+#include "apps/measure.h"
+#include "apps/version.h"
+#include "geometry/atomic_file.h"
+#include "hardware/scan_file.h"
+#include "inspection/deviation_ply.h"
+#include "inspection/range_image_exr.h"
+#include "inspection/render_png.h"
+#include "inspection/result_json.h"
+
+namespace trueblade {
+namespace {
+
+using Folder = std::filesystem::path;
+
+struct FinishedView {
+  MeasuredView measured;
+  EvaluatedView evaluated;
+};
+
+RunFacts run_facts(const Scenario& scenario, const Part& part) {
+  RunFacts run;
+  run.program_version = fmt::format("{} ({})", program_version(), program_commit());
+  run.scenario = scenario.name;
+  run.seed = scenario.seed;
+  run.date = fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)));
+  run.machine = scenario.machine.backend;
+  run.lens = scenario.machine.lens.name;
+  run.part = title_of(scenario.part);
+  run.surfaces = part.surfaces.size();
+  run.facets = part.model.facet_count();
+  run.registration_preset = scenario.registration.preset;
+  run.deviations_from = to_string(scenario.inspection.surface);
+  run.colour_map = scenario.inspection.colour_map;
+  return run;
+}
+
+void prepare_run_folder(const Folder& folder, const Scenario& scenario) {
+  create_output_folder(folder);
+  std::filesystem::remove(folder / "result.json");
+  write_file_atomically(folder / "resolved.yaml", [&](std::ostream& out) {
+    out << fmt::format("# The whole scenario as it ran, with its defaults: trueblade {} ({})\n",
+                       program_version(), program_commit())
+        << scenario_text(scenario);
+  });
+}
+
+void count_samples(const MeasuredView& measured, ViewResult& result) {
+  result.theta_rad = measured.scan.theta_rad;
+  result.planned = measured.planned;
+  result.time.scan_s = measured.scan.time_s;
+  for (const ProbeSample& sample : measured.scan.samples) {
+    result.out_of_range += sample.flags.out_of_range;
+    result.missed += sample.flags.missed;
+    result.low_signal += sample.flags.low_signal;
+  }
+}
+
+FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target, MeasuredView measured) {
+  FinishedView view;
+  view.evaluated = evaluate_view(target, measured.scan.view, measured.scan.points,
+                                 scenario.machine.mcs_from_part.inverse(), scenario.registration.options,
+                                 scenario.inspection.surface, measured.true_part_from_mcs);
+  count_samples(measured, view.evaluated.result);
+  view.measured = std::move(measured);
+  return view;
+}
+
+double colour_limit_mm(const Scenario& scenario, const std::vector<FinishedView>& views) {
+  if (scenario.inspection.colour_limit_mm) return *scenario.inspection.colour_limit_mm;
+  double largest_rms_mm = 0.0;
+  for (const FinishedView& view : views) {
+    const double rms_mm = view.evaluated.result.statistics.rms_mm;
+    if (rms_mm > largest_rms_mm) largest_rms_mm = rms_mm;  // false for NaN: a view without points
+  }
+  return rounded_colour_limit_mm(largest_rms_mm);
+}
+
+void write_view(const Folder& folder, const Scenario& scenario, const PartOnMachine& nominal,
+                const FinishedView& view, const RunFacts& run) {
+  const ViewResult& result = view.evaluated.result;
+  const Deviations& deviations = view.evaluated.deviations;
+  const RigidTransform& part_from_mcs = result.registration.part_from_mcs;
+  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run);
+  write_range_image_exr(folder / fmt::format("{}.exr", result.view),
+                        range_image_of(view.measured.scan, deviations, part_from_mcs, run));
+
+  const MachineGeometry& geometry = scenario.machine.geometry;
+  AxisPositions at_view;
+  at_view.theta_rad = result.theta_rad;
+  const Viewpoint viewpoint = viewpoint_as_probe(result.view, beam_in_mcs(geometry, at_view).direction,
+                                                 geometry.rotary_axis_direction, part_from_mcs);
+  PictureOptions picture;
+  if (const auto& tolerance = scenario.inspection.tolerance_mm)
+    picture.tolerance = Tolerance{tolerance->first, tolerance->second};
+  render_deviation_png(folder / fmt::format("{}.png", result.view), *nominal.part, *nominal.caster,
+                       deviations, result, run, viewpoint, picture);
+}
+
+}  // namespace
+
+InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Folder>& run_folder) {
+  spdlog::info("part {}", title_of(scenario.part));
+  const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
+  spdlog::info("part has {} surfaces, {} facets", nominal.part->surfaces.size(),
+               nominal.part->model.facet_count());
+  if (run_folder) prepare_run_folder(*run_folder, scenario);
+
+  InspectionRun run;
+  run.result.run = run_facts(scenario, *nominal.part);
+  const RegistrationTarget target(*nominal.part);
+  Measurement measurement(scenario, nominal);
+  std::vector<FinishedView> views;
+  for (const ViewSpec& view : scenario.scan.views) {
+    MeasuredView measured = measurement.measure(view);
+    if (run_folder) write_scan(*run_folder / fmt::format("scan_{}.ply", view.name), measured.scan);
+    run.interrupted = !measured.scan.complete || interrupted();
+    if (run.interrupted) break;
+    spdlog::info("registering {} points of view {}", measured.scan.points.size(), view.name);
+    views.push_back(finish_view(scenario, target, std::move(measured)));
+  }
+
+  run.result.run.colour_limit_mm = colour_limit_mm(scenario, views);
+  for (const FinishedView& view : views) run.result.views.push_back(view.evaluated.result);
+  if (run_folder) {
+    for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result.run);
+    if (!views.empty()) write_result_json(*run_folder / "result.json", run.result);
+  }
+  return run;
+}
+
+}  // namespace trueblade

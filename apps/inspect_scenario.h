@@ -1,0 +1,23 @@
+// The main job: scan on the scenario's backend, register every view by itself (P13), evaluate, report.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "apps/scenario.h"
+#include "inspection/result.h"
+
+namespace trueblade {
+
+struct InspectionRun {
+  InspectionResult result;
+  bool interrupted = false;  // by Ctrl-C; the views that were finished are in the result
+};
+
+// With `run_folder`, writes resolved.yaml, then scan_<view>.ply as soon as a view is measured, then for each
+// view deviations_<view>.ply, <view>.exr and <view>.png, and last result.json: a folder without it holds no
+// result. The files of an earlier run in the folder are replaced. Throws InputError, MachineFault.
+InspectionRun inspect_scenario(const Scenario& scenario,
+                               const std::optional<std::filesystem::path>& run_folder);
+
+}  // namespace trueblade

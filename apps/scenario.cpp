@@ -1,0 +1,103 @@
+#include "apps/scenario.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "apps/yaml_reader.h"
+#include "apps/yaml_writer.h"
+
+namespace trueblade {
+namespace {
+
+constexpr std::pair<std::string_view, DeviationSurface> kDeviationSurfaces[] = {
+    {"exact", DeviationSurface::exact}, {"facets", DeviationSurface::facets}};
+constexpr std::pair<std::string_view, ColourMap> kColourMaps[] = {
+    {"blue_green_red", ColourMap::blue_green_red}, {"blue_white_orange", ColourMap::blue_white_orange}};
+
+void check_file_name(const std::string& key, const std::string& name) {
+  const auto is_plain = [](unsigned char letter) {
+    return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
+           (letter >= '0' && letter <= '9') || letter == '_' || letter == '-';
+  };
+  // 100 leaves room for prefix and ending in the 255 bytes of a file name.
+  if (name.empty() || name.size() > 100 || !std::all_of(name.begin(), name.end(), is_plain))
+    throw InputError(
+        fmt::format("{} is \"{}\", must be 1 to 100 letters, digits, _ or - (it names files)", key, name));
+}
+
+void fields(YamlFields& io, ViewSpec& view) {
+  io.require("name");
+  io.text("name", view.name);
+  if (io.present("name")) io.check([&] { check_file_name("name", view.name); });
+  io.angle("theta_deg", view.theta_rad, between(-360.0, 360.0));
+}
+
+void check_views(const std::vector<ViewSpec>& views) {
+  if (views.empty()) throw InputError("views is empty, must hold at least one view");
+  std::set<std::string> names;
+  for (const ViewSpec& view : views) {
+    if (!names.insert(view.name).second)
+      throw InputError(fmt::format("views holds \"{}\" twice, names must differ", view.name));
+  }
+}
+
+void fields(YamlFields& io, ScanSpec& scan) {
+  io.require("views");
+  io.list<ViewSpec>("views", scan.views, [](YamlFields& inner, ViewSpec& view) { fields(inner, view); });
+  io.number("spacing_mm", scan.spacing_mm, above(0.0));
+  io.integers("surfaces", scan.surfaces);
+  io.angle("max_incidence_deg", scan.max_incidence_rad, between(1.0, 90.0));
+  if (io.present("views")) io.check([&] { check_views(scan.views); });
+}
+
+void fields(YamlFields& io, InspectionSpec& inspection) {
+  io.choice<DeviationSurface>("surface", inspection.surface, kDeviationSurfaces);
+  io.interval("tolerance_mm", inspection.tolerance_mm);
+  io.number("colour_limit_mm", inspection.colour_limit_mm, above(0.0));
+  io.choice<ColourMap>("colour_map", inspection.colour_map, kColourMaps);
+}
+
+void check_expected_views(const Scenario& scenario) {
+  for (const auto& [name, expectation] : scenario.expect) {
+    const bool known = std::any_of(scenario.scan.views.begin(), scenario.scan.views.end(),
+                                   [&name = name](const ViewSpec& view) { return view.name == name; });
+    if (!known) throw InputError(fmt::format("expect.{} is not among the views of scan", name));
+  }
+}
+
+void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& folder) {
+  io.text("name", scenario.name);
+  io.text("description", scenario.description);
+  io.integer("seed", scenario.seed, 0, std::numeric_limits<std::uint64_t>::max());
+  io.require("part");
+  io.map("part", [&](YamlFields& inner) { fields(inner, scenario.part, folder); });
+  io.map("machine", [&](YamlFields& inner) { fields(inner, scenario.machine); });
+  io.require("scan");
+  io.map("scan", [&](YamlFields& inner) { fields(inner, scenario.scan); });
+  io.map("registration", [&](YamlFields& inner) { fields(inner, scenario.registration); });
+  io.map("inspection", [&](YamlFields& inner) { fields(inner, scenario.inspection); });
+  io.named<ViewExpectation>("expect", scenario.expect,
+                            [](YamlFields& inner, ViewExpectation& view) { fields(inner, view); });
+  io.check([&] {
+    check_file_name("name", scenario.name);
+    check_expected_views(scenario);
+  });
+}
+
+}  // namespace
+
+Scenario read_scenario(const std::filesystem::path& file) {
+  Scenario scenario;
+  scenario.name = file.stem().string();
+  read_yaml(file, [&](YamlFields& io) { fields(io, scenario, file.parent_path()); });
+  return scenario;
+}
+
+std::string scenario_text(const Scenario& scenario) {
+  Scenario copy = scenario;  // one list of fields serves both directions, so it takes what it could change
+  return yaml_text([&](YamlFields& io) { fields(io, copy, {}); });
+}
+
+}  // namespace trueblade

@@ -1,0 +1,43 @@
+// Runs the built `trueblade` as a user does: a process of its own, with a time limit, so that a crash or a
+// hang fails one test and no more.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace trueblade {
+
+struct ChildResult {
+  int exit_code = -1;    // -1: ended by a signal or by the time limit
+  std::string ended_by;  // "exit", "signal <n>", "time limit"
+  std::string out;
+  std::string err;
+};
+
+// `working_folder` is where the command runs.
+ChildResult run_trueblade(
+    const std::vector<std::string>& arguments,
+    const std::filesystem::path& working_folder = std::filesystem::temp_directory_path(),
+    double time_limit_s = 120.0);
+
+// A new empty folder, removed with everything in it at the end of the scope.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+  // Writes a small file there and returns its path.
+  std::filesystem::path write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string text_of(const std::filesystem::path& file);
+
+}  // namespace trueblade
