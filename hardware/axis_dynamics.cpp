@@ -65,10 +65,18 @@ double estimated_time_s(const ScanPlan& plan, const AxisDynamics& dynamics, cons
   double time_s = 0.0;
   for (const PlannedLine& line : plan.lines) {
     if (line.path.empty()) continue;
+    for (const AxisPositions& by : line.approach) {
+      time_s += move_time_s(dynamics, at, by);
+      at = by;
+    }
     time_s += move_time_s(dynamics, at, line.path.front());
     for (std::size_t k = 1; k < line.path.size(); ++k)
       time_s += sample_interval_s(dynamics, lens, line.path[k - 1], line.path[k]);
     at = line.path.back();
+  }
+  for (const AxisPositions& by : plan.retreat) {
+    time_s += move_time_s(dynamics, at, by);
+    at = by;
   }
   return time_s;
 }

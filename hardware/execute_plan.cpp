@@ -44,11 +44,17 @@ void convert_usable_samples(const MachineGeometry& geometry, ViewScan& scan) {
 }  // namespace
 
 void check_travel(const ScanPlan& plan, const AxisLimits& limits) {
-  for (std::size_t line = 0; line < plan.lines.size(); ++line)
-    for (const AxisPositions& at : plan.lines[line].path)
+  const auto check = [&](const std::vector<AxisPositions>& positions, const std::string& what) {
+    for (const AxisPositions& at : positions)
       if (!limits.contains(at))
-        throw InputError(fmt::format("view {}: planned line {} leaves the machine's travel: {}", plan.view,
-                                     line + 1, describe_violation(at, limits)));
+        throw InputError(fmt::format("view {}: {} leaves the machine's travel: {}", plan.view, what,
+                                     describe_violation(at, limits)));
+  };
+  for (std::size_t line = 0; line < plan.lines.size(); ++line) {
+    check(plan.lines[line].approach, fmt::format("the way to planned line {}", line + 1));
+    check(plan.lines[line].path, fmt::format("planned line {}", line + 1));
+  }
+  check(plan.retreat, "the retreat");
 }
 
 ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, const ScanPlan& plan,
@@ -73,10 +79,13 @@ ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, co
   try {
     for (const PlannedLine& line : plan.lines) {
       if (line.path.empty()) continue;
+      for (const AxisPositions& at : line.approach) driver.move_to(at);
       driver.move_to(line.path.front());
       driver.scan_line(line.path, collect);
       if (!keep_going) break;
     }
+    if (keep_going)
+      for (const AxisPositions& at : plan.retreat) driver.move_to(at);
   } catch (...) {
     driver.stop();
     throw;

@@ -3,8 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
@@ -84,6 +87,114 @@ Ray ray_of_cell(const ViewRaster& raster, double spacing_mm, std::size_t row, st
   return {u * raster.across + v * raster.along + raster.outside_mm * raster.beam, raster.beam};
 }
 
+// What one raster cell holds.
+struct Cell {
+  PointAccess access = PointAccess::facing_away;
+  bool chosen = false;    // the beam meets a chosen surface
+  Vec3 probe_origin_pcs;  // when chosen
+};
+
+std::vector<Cell> look_at_cells(const ViewRaster& raster, const Lens& lens, const Part& nominal,
+                                const RayCaster& caster, const AccessCheck& access,
+                                const PlanOptions& options) {
+  std::vector<char> chosen(nominal.surfaces.size(), options.surfaces.empty());
+  for (const std::uint32_t surface : options.surfaces) chosen[surface] = true;
+
+  std::vector<Cell> cells(raster.columns * raster.rows);
+  parallel_for_blocks(cells.size(), 256, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Ray ray = ray_of_cell(raster, options.spacing_mm, i / raster.columns, i % raster.columns);
+      const auto hit = caster.first_hit(ray, 0.0, std::numeric_limits<double>::infinity());
+      if (!hit || !chosen[nominal.model.surface_of(hit->facet)]) continue;
+      const Vec3 point = ray.origin_mm + hit->range_mm * ray.direction;
+      cells[i] = {access.check(point, hit->normal, ray.direction), true,
+                  point - lens.standoff_mm * ray.direction};
+    }
+  });
+  return cells;
+}
+
+// A run of measurable cells of one row that the probe can follow without withdrawing.
+struct Run {
+  std::vector<std::uint32_t> cells;
+};
+
+std::vector<Run> find_runs(const ViewRaster& raster, const std::vector<Cell>& cells,
+                           const ProbeClearance& clearance) {
+  std::vector<std::vector<Run>> runs_of_row(raster.rows);
+  parallel_for_blocks(raster.rows, 1, [&](std::size_t row, std::size_t) {
+    std::vector<Run>& runs = runs_of_row[row];
+    for (std::size_t column = 0; column < raster.columns; ++column) {
+      const auto i = static_cast<std::uint32_t>(row * raster.columns + column);
+      if (cells[i].access != PointAccess::measurable) continue;
+      const bool goes_on =
+          !runs.empty() && clearance.way_is_free(cells[runs.back().cells.back()].probe_origin_pcs,
+                                                 cells[i].probe_origin_pcs, raster.beam);
+      if (!goes_on) runs.emplace_back();
+      runs.back().cells.push_back(i);
+    }
+  });
+  std::vector<Run> runs;
+  for (std::vector<Run>& of_row : runs_of_row)
+    for (Run& run : of_row) runs.push_back(std::move(run));
+  return runs;
+}
+
+// Nearest end first, each run in the direction that its nearer end gives. On a full raster this is the
+// boustrophedon.
+std::vector<Run> order_by_travel(std::vector<Run> runs, const std::vector<Cell>& cells) {
+  std::vector<Run> ordered;
+  ordered.reserve(runs.size());
+  std::vector<char> done(runs.size(), false);
+  Vec3 at = runs.empty() ? Vec3::Zero() : cells[runs.front().cells.front()].probe_origin_pcs;
+  while (ordered.size() < runs.size()) {
+    std::size_t nearest = 0;
+    bool reversed = false;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+      if (done[i]) continue;
+      const double to_front = (cells[runs[i].cells.front()].probe_origin_pcs - at).squaredNorm();
+      const double to_back = (cells[runs[i].cells.back()].probe_origin_pcs - at).squaredNorm();
+      if (std::min(to_front, to_back) < least) {
+        least = std::min(to_front, to_back);
+        nearest = i;
+        reversed = to_back < to_front;
+      }
+    }
+    done[nearest] = true;
+    ordered.push_back(std::move(runs[nearest]));
+    if (reversed) std::reverse(ordered.back().cells.begin(), ordered.back().cells.end());
+    at = cells[ordered.back().cells.back()].probe_origin_pcs;
+  }
+  return ordered;
+}
+
+// How far along the beam (stage, a coordinate) the probe origin may go while the table turns: before
+// everything that the turning part sweeps.
+double turning_limit_mm(const MachineGeometry& geometry, const FacetModel& model,
+                        const RigidTransform& mcs_from_part, double clearance_mm) {
+  const Vec3 beam = geometry.stage_from_probe_at_zero.rotation * geometry.beam_direction;
+  const Vec3& axis = geometry.rotary_axis_direction;
+  const double across_axis = beam.cross(axis).norm();
+  double limit = std::numeric_limits<double>::infinity();
+  for (std::uint32_t node = 0; node < model.node_count(); ++node) {
+    const Vec3 from_axis = mcs_from_part * model.node_mm(node) - geometry.rotary_axis_point_mm;
+    const Vec3 along_axis = from_axis.dot(axis) * axis;
+    const double radius = (from_axis - along_axis).norm();
+    limit = std::min(limit, (geometry.rotary_axis_point_mm + along_axis).dot(beam) - radius * across_axis);
+  }
+  return limit - clearance_mm;
+}
+
+std::string count_reasons(const std::array<std::size_t, kPointAccessCount>& cells) {
+  std::string reasons;
+  for (std::size_t k = 1; k < kPointAccessCount; ++k)
+    if (cells[k] > 0)
+      reasons += fmt::format("{}{} {}", reasons.empty() ? ": " : ", ", cells[k],
+                             to_string(static_cast<PointAccess>(k)));
+  return reasons;
+}
+
 }  // namespace
 
 std::size_t ScanPlan::point_count() const {
@@ -110,55 +221,62 @@ ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part
                    const RayCaster& nominal_caster, const RigidTransform& part_from_mcs,
                    const PlanOptions& options) {
   geometry.validate();
-  lens.validate();
   options.validate(nominal);
+  const double max_incidence_rad = options.max_incidence_rad.value_or(lens.max_incidence_rad);
+  const ProbeClearance clearance(nominal.model, options.probe);
+  const AccessCheck access(nominal_caster, clearance, lens, options.probe, max_incidence_rad);
 
-  const RigidTransform mcs_from_stage = stage_from_mcs(geometry, options.theta_rad).inverse();
-  const ViewRaster raster =
-      lay_raster(geometry, nominal.model, part_from_mcs * mcs_from_stage, options.spacing_mm);
-
-  std::vector<char> chosen(nominal.surfaces.size(), options.surfaces.empty());
-  for (const std::uint32_t surface : options.surfaces) chosen[surface] = true;
-  const double least_cosine = std::cos(options.max_incidence_rad.value_or(lens.max_incidence_rad));
-
-  // Range from the raster plane to the surface per cell; NaN where nothing is to be measured.
-  std::vector<double> range_mm(raster.columns * raster.rows, std::numeric_limits<double>::quiet_NaN());
-  parallel_for_blocks(range_mm.size(), 1024, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t cell = begin; cell < end; ++cell) {
-      const Ray ray = ray_of_cell(raster, options.spacing_mm, cell / raster.columns, cell % raster.columns);
-      const auto hit = nominal_caster.first_hit(ray, 0.0, std::numeric_limits<double>::infinity());
-      if (!hit || !chosen[nominal.model.surface_of(hit->facet)]) continue;
-      if (-hit->normal.dot(ray.direction) < least_cosine) continue;  // grazing, or the inside of an open part
-      range_mm[cell] = hit->range_mm;
-    }
-  });
+  const RigidTransform part_from_stage =
+      part_from_mcs * stage_from_mcs(geometry, options.theta_rad).inverse();
+  const ViewRaster raster = lay_raster(geometry, nominal.model, part_from_stage, options.spacing_mm);
+  const std::vector<Cell> cells = look_at_cells(raster, lens, nominal, nominal_caster, access, options);
+  const std::vector<Run> runs = order_by_travel(find_runs(raster, cells, clearance), cells);
 
   ScanPlan plan;
   plan.view = options.view;
   plan.theta_rad = options.theta_rad;
   plan.columns = raster.columns;
   plan.rows = raster.rows;
-  const RigidTransform mcs_from_part = part_from_mcs.inverse();
-  for (std::size_t row = 0; row < raster.rows; ++row) {
-    PlannedLine line;
-    const bool forward = plan.lines.size() % 2 == 0;
-    for (std::size_t step = 0; step < raster.columns; ++step) {
-      const std::size_t column = forward ? step : raster.columns - 1 - step;
-      const std::size_t cell = row * raster.columns + column;
-      if (std::isnan(range_mm[cell])) continue;
-      const Ray ray = ray_of_cell(raster, options.spacing_mm, row, column);
-      const Vec3 probe_origin_pcs = ray.origin_mm + (range_mm[cell] - lens.standoff_mm) * ray.direction;
-      line.path.push_back(
-          axes_for_probe_origin(geometry, mcs_from_part * probe_origin_pcs, options.theta_rad));
-      plan.grid_index.push_back(static_cast<std::uint32_t>(cell));
-    }
-    if (!line.path.empty()) plan.lines.push_back(std::move(line));
-  }
-  if (plan.lines.empty())
+  for (const Cell& cell : cells)
+    if (cell.chosen) ++plan.cells[static_cast<std::size_t>(cell.access)];
+  if (runs.empty())
     throw InputError(fmt::format(
-        "view {}: no chosen surface is visible at theta {:.3f} deg within {:.1f} deg of incidence",
-        options.view, options.theta_rad / kDegree,
-        options.max_incidence_rad.value_or(lens.max_incidence_rad) / kDegree));
+        "view {}: nothing of the chosen surfaces can be measured at theta {:.3f} deg "
+        "within {:.1f} deg of incidence{}",
+        options.view, options.theta_rad / kDegree, max_incidence_rad / kDegree, count_reasons(plan.cells)));
+
+  const RigidTransform mcs_from_part = part_from_mcs.inverse();
+  const auto axes_at = [&](const Vec3& probe_origin_pcs) {
+    return axes_for_probe_origin(geometry, mcs_from_part * probe_origin_pcs, options.theta_rad);
+  };
+  // Withdrawn along the beam to a plane (a coordinate along it) before the part.
+  const auto withdrawn = [&](const Vec3& origin_pcs, double along_beam_mm) -> Vec3 {
+    return origin_pcs + std::min(0.0, along_beam_mm - origin_pcs.dot(raster.beam)) * raster.beam;
+  };
+  const double hop_plane_mm = raster.outside_mm - options.probe.clearance_mm;
+  // The turning limit is a coordinate in the stage: move it to the part's origin.
+  const double turning_plane_mm =
+      turning_limit_mm(geometry, nominal.model, mcs_from_part, options.probe.clearance_mm) +
+      part_from_stage.translation_mm.dot(raster.beam);
+
+  std::optional<Vec3> at;
+  for (const Run& run : runs) {
+    PlannedLine line;
+    const Vec3& start = cells[run.cells.front()].probe_origin_pcs;
+    if (!at) {
+      line.approach.push_back(axes_at(withdrawn(start, turning_plane_mm)));
+    } else if (!clearance.way_is_free(*at, start, raster.beam)) {
+      line.approach.push_back(axes_at(withdrawn(*at, hop_plane_mm)));
+      line.approach.push_back(axes_at(withdrawn(start, hop_plane_mm)));
+    }
+    for (const std::uint32_t cell : run.cells) {
+      line.path.push_back(axes_at(cells[cell].probe_origin_pcs));
+      plan.grid_index.push_back(cell);
+    }
+    at = cells[run.cells.back()].probe_origin_pcs;
+    plan.lines.push_back(std::move(line));
+  }
+  plan.retreat.push_back(axes_at(withdrawn(*at, turning_plane_mm)));
   return plan;
 }
 

@@ -1,6 +1,7 @@
 // Plans one view: an organised raster in the plane normal to the beam, at one rotary angle. At every raster
 // position the probe stands so far from the nominal surface that the range is the lens's standoff: the 25 mm
-// lens has 0.7 mm of working range, so the probe follows the shape.
+// lens has 0.7 mm of working range, so the probe follows the shape. The housing keeps its clearance all the
+// way: where it cannot go straight from one position to the next, it first withdraws along the beam.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +23,7 @@ struct PlanOptions {
   double spacing_mm = 1.0;                  // of the raster, in both directions
   std::vector<std::uint32_t> surfaces;      // CAD surfaces to measure; empty: all
   std::optional<double> max_incidence_rad;  // angle between beam and normal; default: the lens's own limit
+  ProbeBody probe;
 
   // Throws InputError naming the value and the constraint.
   void validate(const Part& part) const;
@@ -29,10 +31,12 @@ struct PlanOptions {
 
 // Raster of the nominal part's silhouette along the beam: columns across the rotary axis, rows along it
 // (when the beam is along the rotary axis: along the machine's axes). A cell is measured when the first
-// surface that the beam meets there is one of the chosen and stands within the incidence limit. Rows are
-// traversed boustrophedon.
-// `nominal_caster` casts on nominal.model. Uses TBB; the plan does not depend on the number of threads.
-// Throws InputError when the raster would exceed 10^8 cells, or when nothing chosen is visible.
+// surface that the beam meets there is one of the chosen and the probe has access to it (point_access.h).
+// Lines run along rows; they are measured in the order of least travel, nearest end first.
+// The plan begins and ends with the probe withdrawn so far that the table can turn.
+// `nominal_caster` casts on nominal.model. The plan does not depend on the number of threads.
+// Throws InputError when the raster would exceed 10^8 cells, or when nothing chosen can be measured; the
+// message counts the reasons.
 ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part& nominal,
                    const RayCaster& nominal_caster, const RigidTransform& part_from_mcs,
                    const PlanOptions& options);

@@ -2,6 +2,7 @@
 // brings back. plan_view.h makes a plan, execute_plan.h carries it out, scan_file.h keeps the result.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -9,11 +10,13 @@
 #include "geometry/scan_points.h"
 #include "hardware/lens.h"
 #include "hardware/machine_geometry.h"
+#include "hardware/point_access.h"
 
 namespace trueblade {
 
 struct PlannedLine {
-  std::vector<AxisPositions> path;  // one sample at each position
+  std::vector<AxisPositions> approach;  // moved through first, without measuring
+  std::vector<AxisPositions> path;      // one sample at each position
 };
 
 struct ScanPlan {
@@ -21,7 +24,10 @@ struct ScanPlan {
   double theta_rad = 0.0;
   std::size_t columns = 0, rows = 0;      // the organised grid of the view; columns run in the fast direction
   std::vector<PlannedLine> lines;         // rows without a visible surface have none
+  std::vector<AxisPositions> retreat;     // moved through at the end: away from the part, free to turn it
   std::vector<std::uint32_t> grid_index;  // per planned position in order, its cell row * columns + column
+  // Raster cells on a chosen surface by what became of them: measurable ones are planned.
+  std::array<std::size_t, kPointAccessCount> cells{};
 
   std::size_t point_count() const;
 };

@@ -3,9 +3,9 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <vector>
 
 #include "geometry/error.h"
-#include "geometry/random.h"
 
 namespace trueblade {
 namespace {
@@ -66,7 +66,7 @@ constexpr std::array<ErrorSourceInfo, kErrorSourceCount> kInfo{{
     {"drift_z", "mm/s", "thermal drift of the probe along z"},
 }};
 
-std::string_view stream_of(ErrorScope scope) {
+std::string_view stream_name(ErrorScope scope) {
   switch (scope) {
     case ErrorScope::setup:
       return "errors per set-up";
@@ -101,16 +101,35 @@ void MachineErrors::validate() const {
   }
 }
 
+Rng error_stream(ErrorScope scope, std::uint64_t seed, std::uint64_t trial) {
+  return Rng(seed, trial, stream_name(scope));
+}
+
+void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sources, const Rng& stream,
+                 std::uint64_t index, ErrorValues& values) {
+  Rng rng = stream;
+  std::uint64_t next_place = 0;  // of rng; places of one block of four are taken from one block
+  for (const ErrorSource source : sources) {
+    const GaussianError& error = errors[source];
+    values[source] = error.mean;
+    if (error.sigma == 0.0) continue;
+    const std::uint64_t place = index * kPlacesPerIndex + static_cast<std::uint64_t>(source);
+    if (next_place == 0 || place / 4 != next_place / 4) {
+      rng = stream.at(place);
+      next_place = place;
+    }
+    for (; next_place < place; ++next_place) rng.bits();
+    values[source] += error.sigma * rng.normal();
+    ++next_place;
+  }
+}
+
 void draw_errors(const MachineErrors& errors, ErrorScope scope, std::uint64_t seed, std::uint64_t trial,
                  std::uint64_t index, ErrorValues& values) {
-  const Rng stream(seed, trial, stream_of(scope));
-  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
-    const auto source = static_cast<ErrorSource>(s);
-    const GaussianError& error = errors[source];
-    if (error.scope != scope) continue;
-    values[source] = error.mean;
-    if (error.sigma > 0.0) values[source] += error.sigma * stream.at(index * kPlacesPerIndex + s).normal();
-  }
+  std::vector<ErrorSource> sources;
+  for (std::size_t s = 0; s < kErrorSourceCount; ++s)
+    if (errors[static_cast<ErrorSource>(s)].scope == scope) sources.push_back(static_cast<ErrorSource>(s));
+  draw_errors(errors, sources, error_stream(scope, seed, trial), index, values);
 }
 
 }  // namespace trueblade

@@ -11,7 +11,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
+
+#include "geometry/random.h"
 
 namespace trueblade {
 
@@ -124,5 +127,10 @@ class ErrorValues {
 // nor on which other sources are in use.
 void draw_errors(const MachineErrors& errors, ErrorScope scope, std::uint64_t seed, std::uint64_t trial,
                  std::uint64_t index, ErrorValues& values);
+
+// The same for chosen sources of one scope, in ascending order; `stream` is error_stream(scope, seed, trial).
+void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sources, const Rng& stream,
+                 std::uint64_t index, ErrorValues& values);
+Rng error_stream(ErrorScope scope, std::uint64_t seed, std::uint64_t trial);
 
 }  // namespace trueblade

@@ -37,6 +37,20 @@ void SensorModel::validate() const {
   require_within("spot_noise", spot_noise, 0.0, 1.0);
   require_within("low_signal_snr", low_signal_snr, 0.0, 1.0);
   require_within("missed_snr", missed_snr, 0.0, low_signal_snr);
+  require_within("spot_scale", spot_scale, 0.0, 100.0);
+  require_within("exposure_s", exposure_s, 0.0, 10.0);
+  require_within("contrast_depth_mm", contrast_depth_mm, 1e-6, 1e3);
+  require_within("multiple_reflection", multiple_reflection, 0.0, 1.0);
+  require_within("quantisation_mm", quantisation_mm, 0.0, 1.0);
+}
+
+SensorModel perfect_sensor() {
+  SensorModel model;
+  model.noise_scale = 0.0;
+  model.spot_scale = 0.0;
+  model.exposure_s = 0.0;
+  model.multiple_reflection = 0.0;
+  return model;
 }
 
 double finish_signal(const SurfaceFinish& finish, double incidence_rad) {
@@ -63,14 +77,15 @@ double distance_sigma_mm(const SensorModel& model, const Lens& lens, double sign
 }
 
 SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
-                          double incidence_rad, double speckle_deviate, double noise_deviate) {
+                          double incidence_rad, double contrast, double speckle_deviate,
+                          double noise_deviate) {
   SensorReading reading{};
   const double offset_mm = true_range_mm - lens.standoff_mm;
   if (std::abs(offset_mm) > 0.5 * lens.working_range_mm) {
     reading.flags.out_of_range = true;
     return reading;
   }
-  const double signal = mean_signal(model, lens, offset_mm, incidence_rad) *
+  const double signal = contrast * mean_signal(model, lens, offset_mm, incidence_rad) *
                         std::exp(model.speckle * (speckle_deviate + model.speckle));
   reading.snr = signal_to_noise(model, signal);
   if (incidence_rad > lens.max_incidence_rad || signal <= 0.0 || reading.snr < model.missed_snr) {

@@ -35,16 +35,25 @@ SurfaceFinish polished_finish();  // nine tenths in a narrow lobe
 
 struct SensorModel {
   SurfaceFinish finish;
-  double noise_scale = 1.0;      // 0: a sensor without distance noise
-  double noise_to_signal = 0.1;  // SNR is 0.91 at the best place
-  double range_falloff = 0.3;    // of the signal at both ends of the working range
-  double speckle = 0.2;          // standard deviation of the signal's logarithm
-  double spot_noise = 0.05;      // distance noise per spot diameter of depth under the spot
-  double low_signal_snr = 0.5;   // below: flagged low_signal
-  double missed_snr = 0.1;       // below: no return
+  double noise_scale = 1.0;           // 0: a sensor without distance noise
+  double noise_to_signal = 0.1;       // SNR is 0.91 at the best place
+  double range_falloff = 0.3;         // of the signal at both ends of the working range
+  double speckle = 0.2;               // standard deviation of the signal's logarithm
+  double spot_noise = 0.05;           // distance noise per spot diameter of depth under the spot
+  double low_signal_snr = 0.5;        // below: flagged low_signal
+  double missed_snr = 0.1;            // below: no return
+  double spot_scale = 1.0;            // of the lens's spot diameter where the spot covers an edge; 0: a point
+  double exposure_s = 0.0005;         // the reading averages over the motion during this time
+  double contrast_depth_mm = 0.02;    // spread of range under the spot that halves the fringe contrast
+  double multiple_reflection = 0.05;  // share of the mirrored light that may return over a second surface
+  double quantisation_mm = 0.0;       // step of the reported distance; 0: none
 
   void validate() const;  // throws InputError naming the value and the constraint
 };
+
+// A sensor that reads the true range of a point: for "perfect" measurements (paper, Fig. 5c). Its SNR still
+// tells signal from signal.
+SensorModel perfect_sensor();
 
 // The share of the signal that the surface finish sends back at this incidence; 1 at normal incidence.
 double finish_signal(const SurfaceFinish& finish, double incidence_rad);
@@ -64,8 +73,10 @@ struct SensorReading {
   ProbeFlags flags;
 };
 
-// One reading; `speckle_deviate` and `noise_deviate` are independent standard normal numbers.
+// One reading. `contrast`: share of the signal that the scene leaves (1 for a plane under the spot);
+// `speckle_deviate` and `noise_deviate` are independent standard normal numbers.
 SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
-                          double incidence_rad, double speckle_deviate, double noise_deviate);
+                          double incidence_rad, double contrast, double speckle_deviate,
+                          double noise_deviate);
 
 }  // namespace trueblade

@@ -3,25 +3,24 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
-#include "geometry/random.h"
-#include "sim/true_geometry.h"
 
 namespace trueblade {
 namespace {
 
-AxisPositions moved(const AxisPositions& at, const AxisPositions& velocity_per_s, double time_s) {
-  return {at.x_mm + velocity_per_s.x_mm * time_s, at.y_mm + velocity_per_s.y_mm * time_s,
-          at.z_mm + velocity_per_s.z_mm * time_s, at.theta_rad + velocity_per_s.theta_rad * time_s};
-}
+// Draws of the sensor per point; read_probe uses three.
+constexpr std::uint64_t kSensorDrawsPerPoint = 4;
 
 AxisPositions mean_velocity(const AxisPositions& from, const AxisPositions& to, double time_s) {
   return {(to.x_mm - from.x_mm) / time_s, (to.y_mm - from.y_mm) / time_s, (to.z_mm - from.z_mm) / time_s,
           (to.theta_rad - from.theta_rad) / time_s};
+}
+
+VirtualSetup validated(VirtualSetup setup) {
+  setup.validate();
+  return setup;
 }
 
 }  // namespace
@@ -39,11 +38,11 @@ void VirtualSetup::validate() const {
 }
 
 SimulatedMachine::SimulatedMachine(VirtualPart part, VirtualSetup setup)
-    : part_(std::move(part)), setup_(std::move(setup)) {
-  setup_.validate();
-  for (const ErrorScope scope : {ErrorScope::setup, ErrorScope::view, ErrorScope::line})
-    draw_errors(setup_.errors, scope, setup_.seed, setup_.trial, 0, errors_);
-}
+    : part_(std::move(part)),
+      setup_(validated(std::move(setup))),
+      true_machine_(setup_.geometry, setup_.part_from_mcs.inverse(), setup_.mcs_from_fixture, setup_.errors,
+                    setup_.seed, setup_.trial),
+      sensor_stream_(setup_.seed, setup_.trial, "sensor") {}
 
 void SimulatedMachine::connect() {
   if (state_ == MachineState::disconnected) state_ = MachineState::not_homed;
@@ -82,8 +81,7 @@ void SimulatedMachine::move_to(const AxisPositions& target) {
   require_within_limits(target);
   // A view begins when the part is turned.
   if (target.theta_rad != at_.theta_rad) {
-    ++view_;
-    draw_errors(setup_.errors, ErrorScope::view, setup_.seed, setup_.trial, view_, errors_);
+    true_machine_.begin_view(++view_, target.theta_rad);
   }
   clock_s_ += move_time_s(setup_.dynamics, at_, target);
   at_ = target;
@@ -101,7 +99,7 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
   require_ready();
   for (const AxisPositions& target : path) require_within_limits(target);
   if (path.empty()) return 0;
-  draw_errors(setup_.errors, ErrorScope::line, setup_.seed, setup_.trial, line_++, errors_);
+  true_machine_.begin_line(line_++, path.front().theta_rad);
 
   std::vector<double> time_s(path.size());
   std::vector<AxisPositions> velocity(path.size());
@@ -139,47 +137,24 @@ void SimulatedMachine::stop() noexcept {
 SimulatedMachine::Measured SimulatedMachine::measure(const AxisPositions& encoders,
                                                      const AxisPositions& velocity_per_s, double time_s,
                                                      std::uint64_t point) const {
-  ErrorValues errors = errors_;
-  draw_errors(setup_.errors, ErrorScope::point, setup_.seed, setup_.trial, point, errors);
-
-  const AxisPositions axes = moved(encoders, velocity_per_s, errors[ErrorSource::time_base]);
-  const RigidTransform stage_from_part =
-      true_stage_from_mcs(setup_.geometry, axes.theta_rad, errors) *
-      true_mcs_from_part(setup_.part_from_mcs.inverse(), setup_.mcs_from_fixture, errors);
-  const RigidTransform part_from_probe =
-      stage_from_part.inverse() * true_stage_from_probe(setup_.geometry, axes, errors, time_s);
-  const Ray beam{part_from_probe.translation_mm,
-                 part_from_probe.rotation * true_beam_direction(setup_.geometry, errors)};
-
+  const TrueMachine::Beam beam = true_machine_.beam_at(encoders, velocity_per_s, time_s, point);
+  const ProbeReading probe = read_probe(part_, setup_.sensor, setup_.lens, beam.in_part,
+                                        setup_.sensor.exposure_s * beam.velocity_in_part_mm_per_s,
+                                        sensor_stream_.at(kSensorDrawsPerPoint * point));
   Measured measured{};
+  measured.truth = probe.truth;
   measured.sample.axes = encoders;
   measured.sample.time_s = time_s;
-  const auto hit = part_.caster->first_hit(beam, 0.0, std::numeric_limits<double>::infinity());
-  if (!hit) {
-    measured.sample.flags.missed = true;
-    return measured;
-  }
-  // A facet seen from behind belongs to an open part: it scatters like its front.
-  const double cosine = std::min(1.0, std::abs(hit->normal.dot(beam.direction)));
-  measured.truth =
-      TrueHit{hit->facet, beam.origin_mm + hit->range_mm * beam.direction, hit->range_mm, std::acos(cosine)};
-
-  Rng sensor = Rng(setup_.seed, setup_.trial, "sensor").at(2 * point);
-  const double speckle_deviate = sensor.normal();
-  const double noise_deviate = sensor.normal();
-  const SensorReading reading = read_sensor(setup_.sensor, setup_.lens, hit->range_mm,
-                                            measured.truth->incidence_rad, speckle_deviate, noise_deviate);
-  measured.sample.flags = reading.flags;
-  measured.sample.snr = reading.snr;
-  if (reading.flags.usable())
-    measured.sample.distance_mm = reading.distance_mm + errors[ErrorSource::sensor_distance];
+  measured.sample.flags = probe.reading.flags;
+  measured.sample.snr = probe.reading.snr;
+  if (probe.reading.flags.usable())
+    measured.sample.distance_mm = probe.reading.distance_mm + beam.distance_error_mm;
   return measured;
 }
 
 SimulationTruth SimulatedMachine::take_truth() {
   SimulationTruth truth;
-  truth.part_from_mcs =
-      true_mcs_from_part(setup_.part_from_mcs.inverse(), setup_.mcs_from_fixture, errors_).inverse();
+  truth.part_from_mcs = true_machine_.mcs_from_part().inverse();
   truth.hits = std::exchange(hits_, {});
   return truth;
 }

@@ -13,17 +13,13 @@
 #include "hardware/axis_dynamics.h"
 #include "hardware/machine_driver.h"
 #include "hardware/machine_geometry.h"
-#include "part/part.h"
 #include "sim/machine_errors.h"
 #include "sim/sensor_model.h"
+#include "sim/true_machine.h"
+#include "sim/virtual_part.h"
+#include "sim/virtual_probe.h"
 
 namespace trueblade {
-
-// The part that really stands on the machine.
-struct VirtualPart {
-  std::shared_ptr<const FacetModel> model;  // PCS
-  std::shared_ptr<const RayCaster> caster;  // on `model`
-};
 
 struct VirtualSetup {
   MachineGeometry geometry;  // nominal
@@ -38,14 +34,6 @@ struct VirtualSetup {
   std::uint64_t trial = 0;
 
   void validate() const;  // throws InputError
-};
-
-// What truly happened at one sample.
-struct TrueHit {
-  std::uint32_t facet;  // of the virtual part
-  Vec3 point_pcs_mm;    // where the beam met the part, in the part's own frame
-  double range_mm;      // true
-  double incidence_rad;
 };
 
 // For evaluating experiments only; the program that measures never sees it.
@@ -84,11 +72,12 @@ class SimulatedMachine final : public MachineDriver {
 
   VirtualPart part_;
   VirtualSetup setup_;
+  TrueMachine true_machine_;
+  Rng sensor_stream_;
   std::atomic<MachineState> state_{MachineState::disconnected};
   AxisPositions at_;
   double clock_s_ = 0.0;
   std::uint64_t view_ = 0, line_ = 0, point_ = 0;  // running numbers: the keys of the draws
-  ErrorValues errors_;                             // of the present set-up, view and line
   std::vector<std::optional<TrueHit>> hits_;
 };
 

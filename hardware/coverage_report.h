@@ -1,0 +1,18 @@
+// Coverage for people: a table, and a picture.
+#pragma once
+
+#include <string>
+
+#include "hardware/coverage.h"
+
+namespace trueblade {
+
+// One line a surface: area, share seen from each view, share seen in all, and the reasons for the rest. The
+// least seen surfaces come first.
+std::string coverage_table(const Coverage& coverage, const Part& part);
+
+// The same as a picture (SVG): one row a surface, one cell a view (darker: more of the surface is seen), and
+// a bar of what is seen and what stands in the way of the rest.
+std::string coverage_svg(const Coverage& coverage, const Part& part);
+
+}  // namespace trueblade

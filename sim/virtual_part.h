@@ -1,0 +1,67 @@
+// The part that really stands on the virtual machine: the nominal part with its form errors, as facets or as
+// exact CAD surfaces. Coordinates in mm in the part frame (PCS).
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "geometry/closest_point_tree.h"
+#include "geometry/pseudo_normals.h"
+#include "geometry/ray_caster.h"
+#include "part/part.h"
+#include "sim/form_errors.h"
+
+namespace trueblade {
+
+// What the beam meets: the facets themselves, or the CAD surface behind the facet (so that the registration's
+// facets are an approximation of the part, as in the paper's Fig. 5c and 6b).
+enum class PartSurfaceMode : std::uint8_t { facets, exact };
+
+// Facets that a small spot may not see as a plane: those with a sharp edge, and those smaller than the spot.
+struct SharpFacets {
+  std::vector<std::uint8_t> sharp_edges;  // per facet: bit k, edge k (corner k to k + 1) is sharp or a rim
+  std::vector<std::uint8_t> sharp_nodes;  // bit k: corner k lies on a sharp edge or a rim
+};
+
+struct VirtualPart {
+  std::shared_ptr<const Part> nominal;
+  std::shared_ptr<const FacetModel> model;          // with form errors; the nominal model when there are none
+  std::shared_ptr<const RayCaster> caster;          // on `model`
+  std::shared_ptr<const SharpFacets> sharp_facets;  // of `model`
+  PartSurfaceMode mode = PartSurfaceMode::facets;
+
+  // Of a part with form errors only:
+  std::shared_ptr<const DisplacementField> field;
+  std::shared_ptr<const std::vector<std::uint32_t>> nominal_facet;  // of each facet of `model`
+  std::shared_ptr<const ClosestPointTree> nominal_tree;
+  std::shared_ptr<const PseudoNormals> nominal_normals;
+};
+
+// `nominal_caster` casts on nominal->model. Random form errors are drawn for (seed, trial). Throws InputError
+// when the form errors are not valid, or when `exact` is asked of a part without CAD surfaces.
+VirtualPart make_virtual_part(std::shared_ptr<const Part> nominal,
+                              std::shared_ptr<const RayCaster> nominal_caster, PartSurfaceMode mode,
+                              const FormErrors& form_errors, std::uint64_t seed, std::uint64_t trial);
+
+// The same without form errors, as facets.
+VirtualPart make_virtual_part(std::shared_ptr<const Part> nominal,
+                              std::shared_ptr<const RayCaster> nominal_caster);
+
+struct PartHit {
+  double range_mm;
+  Vec3 normal;          // unit, outward
+  std::uint32_t facet;  // of the virtual part's model
+  Vec2 barycentric;     // weights of the facet's corners 1 and 2
+  bool refined;         // `exact` mode: the CAD surface was met; false: its facet stands in for it
+  double displaced_mm;  // when refined: displacement of the part along the CAD surface's normal
+};
+
+// First hit of the ray within [0, max_range_mm]. May be called from any number of threads.
+std::optional<PartHit> first_hit(const VirtualPart& part, const Ray& ray, double max_range_mm);
+
+// True deviation of the hit from the nominal part, positive outside the material: from the CAD surface where
+// the hit is refined, else from the nominal facets. 0 for a part without form errors.
+double true_deviation_mm(const VirtualPart& part, const Ray& ray, const PartHit& hit);
+
+}  // namespace trueblade

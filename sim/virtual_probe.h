@@ -1,0 +1,37 @@
+// The point sensor against the virtual part: what one sample reads along a beam. The sensor model says what a
+// range and incidence read; here are the effects of the scene around the point: the spot that covers an edge,
+// the motion during the exposure, light that comes back over a second surface.
+#pragma once
+
+#include "geometry/random.h"
+#include "sim/sensor_model.h"
+#include "sim/virtual_part.h"
+
+namespace trueblade {
+
+// What truly happened at one sample.
+struct TrueHit {
+  std::uint32_t facet;    // of the virtual part's model
+  std::uint32_t surface;  // CAD surface
+  bool refined;           // the CAD surface itself was met (part_surface: exact)
+  Vec3 point_pcs_mm;      // where the beam met the part, in the part's own frame
+  double range_mm;
+  double incidence_rad;
+  double deviation_mm;  // of the true part from the nominal part there
+};
+
+struct ProbeReading {
+  SensorReading reading;
+  std::optional<TrueHit> truth;  // of the middle of the spot; nullopt: the beam met nothing
+};
+
+// `beam` in the PCS. `smear_mm`: the way of the beam across the part during one exposure (PCS).
+// Spot: where the spot, with its smear, reaches a sharp edge, seven beams share it; the reading averages
+//   those in range by their signal, and the fringe contrast falls with their spread.
+// Multiple reflection: of the light on a glossy surface, the mirrored beam may meet the part again and return
+//   from there; the reading is then half of that path. It happens to a share of the points
+//   (SensorModel::multiple_reflection) near concave corners.
+ProbeReading read_probe(const VirtualPart& part, const SensorModel& model, const Lens& lens, const Ray& beam,
+                        const Vec3& smear_mm, Rng random);
+
+}  // namespace trueblade
