@@ -85,6 +85,7 @@ void add_inspect_command(CLI::App& app, CommandLine& line) {
   command->add_option("--out", options->out, "Folder of the report (default: results/runs/<scenario name>)")
       ->type_name("DIR");
   command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("N");
   command->add_flag("--json", line.json, "Print result.json on standard output instead of the table");
   command->footer(R"(

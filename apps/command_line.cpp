@@ -36,28 +36,44 @@ std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) 
   return names;
 }
 
-// The command that the words lead to, as far as they are known.
-const CLI::App* command_of(const CLI::App& app, const std::vector<std::string>& arguments) {
-  const CLI::App* command = &app;
-  for (const std::string& word : arguments) {
-    const CLI::App* next = nullptr;
-    for (const CLI::App* candidate : command->get_subcommands([](const CLI::App*) { return true; }))
-      if (candidate->get_name() == word) next = candidate;
-    if (!next) return command;
-    command = next;
-  }
-  return command;
+std::vector<const CLI::App*> commands_of(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App*) { return true; });
 }
 
-// CLI11 says that a word was not expected; a newcomer wants to know which one was meant.
-void suggest_nearest(const CLI::App& app, const std::vector<std::string>& arguments) {
-  const CLI::App* command = command_of(app, arguments);
-  std::vector<std::string> known = names_of(command->get_subcommands([](const CLI::App*) { return true; }));
+const CLI::App* find_command(const CLI::App& app, const std::string& name) {
+  for (const CLI::App* command : commands_of(app))
+    if (command->get_name() == name) return command;
+  return nullptr;
+}
+
+// CLI11 only says that a command is required; a newcomer wants to know which one was meant.
+std::optional<std::string> unknown_command(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const CLI::App* command = &app;
+  for (const std::string& word : arguments) {
+    const std::vector<std::string> known = names_of(commands_of(*command));
+    if (known.empty() || word.starts_with("-")) return std::nullopt;
+    const CLI::App* next = find_command(*command, word);
+    if (!next) {
+      const auto nearest = nearest_word(word, known);
+      return fmt::format("there is no command \"{} {}\"{}; the commands are {}", command->get_name(), word,
+                         nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : "",
+                         fmt::join(known, ", "));
+    }
+    command = next;
+  }
+  return std::nullopt;
+}
+
+void suggest_options(const CLI::App& app, const std::vector<std::string>& arguments) {
+  std::vector<std::string> known;
+  const CLI::App* command = &app;
+  for (const std::string& word : arguments) {
+    if (const CLI::App* next = find_command(*command, word)) command = next;
+  }
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
   for (const std::string& word : arguments) {
-    const bool is_known =
-        command_of(app, {word}) != &app || std::find(known.begin(), known.end(), word) != known.end();
-    if (is_known) continue;
+    const bool is_known = std::find(known.begin(), known.end(), word) != known.end();
+    if (is_known || !word.starts_with("--")) continue;
     if (const auto nearest = nearest_word(word, known))
       fmt::print(stderr, "\"{}\": did you mean \"{}\"?\n", word, *nearest);
   }
@@ -81,6 +97,7 @@ int parse_and_run(const std::vector<std::string>& arguments) {
   add_part_command(app, line);
   add_regress_command(app, line);
 
+  if (const auto unknown = unknown_command(app, arguments)) throw InputError(*unknown);
   try {
     // CLI11 takes the words from the back.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
@@ -88,7 +105,7 @@ int parse_and_run(const std::vector<std::string>& arguments) {
     const bool asked_for_help = stop.get_exit_code() == 0;
     app.exit(stop);
     if (asked_for_help) return ExitCode::done;
-    suggest_nearest(app, arguments);
+    suggest_options(app, arguments);
     return ExitCode::bad_input;
   }
   const int code = line.chosen();
@@ -113,6 +130,9 @@ int run_command_line(std::vector<std::string> arguments) {
     return ExitCode::machine_fault;
   } catch (const std::bad_alloc&) {
     spdlog::error("error: the input needs more memory than there is");
+    return ExitCode::bad_input;
+  } catch (const std::filesystem::filesystem_error& failure) {
+    spdlog::error("error: {}", failure.what());
     return ExitCode::bad_input;
   }
 }

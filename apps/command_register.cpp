@@ -5,7 +5,6 @@
 
 #include "apps/command.h"
 #include "apps/evaluate_view.h"
-#include "apps/part_fields.h"
 #include "apps/registration_fields.h"
 #include "apps/version.h"
 #include "apps/yaml_reader.h"
@@ -19,13 +18,12 @@ namespace trueblade {
 namespace {
 
 struct RegisterOptions {
-  PartSpec part;
   std::string part_file, unit;
   std::string scan_file, scan_unit;
   std::string initial_file;
   std::string preset = "default";
   std::string options_file;
-  std::string out;
+  std::filesystem::path out;
   bool cross_check = false;
 };
 
@@ -54,7 +52,6 @@ RegistrationSpec registration_of(const RegisterOptions& options) {
 
 void write_report(const std::filesystem::path& folder, const InspectionResult& result,
                   const EvaluatedView& view) {
-  create_output_folder(folder);
   write_deviation_ply(folder / fmt::format("deviations_{}.ply", view.result.view), view.deviations,
                       view.result.view, result.run);
   write_result_json(folder / "result.json", result);
@@ -70,6 +67,8 @@ int run_registration(const RegisterOptions& options, bool json) {
   const ScanPoints scan = read_points(options.scan_file, unit_of(options.scan_unit));
   spdlog::info("part {}: {} facets; scan {}: {} points", options.part_file, part.model.facet_count(),
                options.scan_file, scan.size());
+
+  if (!options.out.empty()) create_output_folder(options.out);
 
   const RegistrationTarget target(part);
   const EvaluatedView view = evaluate_view(target, "scan", scan, initial, registration.options,

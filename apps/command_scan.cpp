@@ -32,6 +32,7 @@ int scan(const ScanOptions& options, bool json) {
   if (options.seed) scenario.seed = *options.seed;
   const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
   Measurement measurement(scenario, nominal);
+  create_output_folder(std::filesystem::absolute(options.out).parent_path());
 
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const ViewSpec& view : scenario.scan.views) {
@@ -63,6 +64,7 @@ void add_scan_command(CLI::App& app, CommandLine& line) {
       ->required()
       ->type_name("FILE");
   command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
+      ->check(CLI::NonNegativeNumber)
       ->type_name("N");
   command->add_flag("--json", line.json, "Print the list of files as JSON on standard output");
   command->footer(R"(

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/form_error_fields.h"
+
 namespace trueblade {
 namespace {
 
@@ -11,6 +13,8 @@ constexpr std::pair<std::string_view, ErrorScope> kScopes[] = {{"setup", ErrorSc
                                                                {"view", ErrorScope::view},
                                                                {"line", ErrorScope::line},
                                                                {"point", ErrorScope::point}};
+constexpr std::pair<std::string_view, PartSurfaceMode> kSurfaceModes[] = {{"facets", PartSurfaceMode::facets},
+                                                                          {"exact", PartSurfaceMode::exact}};
 
 void fields(YamlFields& io, Lens& lens) {
   io.text("name", lens.name);
@@ -118,6 +122,9 @@ void fields(YamlFields& io, MachineSpec& machine) {
   });
   io.pose("mcs_from_part", machine.mcs_from_part);
   io.map("simulation", [&](YamlFields& simulation) {
+    simulation.choice<PartSurfaceMode>("surface", machine.simulation.surface, kSurfaceModes);
+    simulation.list<FormError>("form_errors", machine.simulation.form_errors,
+                               [](YamlFields& inner, FormError& error) { fields(inner, error); });
     simulation.pose("mcs_from_fixture", machine.simulation.mcs_from_fixture);
     simulation.map("sensor", [&](YamlFields& inner) { fields(inner, machine.simulation.sensor); });
     simulation.map("errors", [&](YamlFields& inner) { fields(inner, machine.simulation.errors); });

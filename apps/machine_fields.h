@@ -8,8 +8,10 @@
 #include "hardware/axis_dynamics.h"
 #include "hardware/lens.h"
 #include "hardware/machine_geometry.h"
+#include "sim/form_errors.h"
 #include "sim/machine_errors.h"
 #include "sim/sensor_model.h"
+#include "sim/virtual_part.h"
 
 namespace trueblade {
 
@@ -17,6 +19,9 @@ struct SimulationSpec {
   RigidTransform mcs_from_fixture;  // the frame in which the fixture's errors act
   MachineErrors errors;
   SensorModel sensor;
+  std::optional<PartSurfaceMode>
+      surface;             // what the beam meets; default: exact where the part has CAD surfaces
+  FormErrors form_errors;  // of the part that stands on the machine
 };
 
 struct MachineSpec {

@@ -31,9 +31,12 @@ VirtualSetup virtual_setup(const Scenario& scenario) {
   return setup;
 }
 
-// The virtual part is the nominal one: what stands on the machine has no defect.
-VirtualPart virtual_part(const PartOnMachine& nominal) {
-  return make_virtual_part(nominal.part, nominal.caster);
+VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal) {
+  const SimulationSpec& simulation = scenario.machine.simulation;
+  const PartSurfaceMode finest = nominal.part->exact ? PartSurfaceMode::exact : PartSurfaceMode::facets;
+  constexpr std::uint64_t kTrial = 0;  // an inspection is the first trial of a study of the same scenario
+  return make_virtual_part(nominal.part, nominal.caster, simulation.surface.value_or(finest),
+                           simulation.form_errors, scenario.seed, kTrial);
 }
 
 }  // namespace
@@ -45,7 +48,7 @@ struct Measurement::Backend {
 Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal)
     : scenario_(scenario),
       nominal_(nominal),
-      backend_(new Backend{SimulatedMachine(virtual_part(nominal), virtual_setup(scenario))}) {}
+      backend_(new Backend{SimulatedMachine(virtual_part(scenario, nominal), virtual_setup(scenario))}) {}
 
 Measurement::~Measurement() = default;
 

@@ -30,8 +30,9 @@ ClosestPointTree& ClosestPointTree::operator=(ClosestPointTree&&) noexcept = def
 
 ClosestPoint ClosestPointTree::query(const Vec3& query_mm, std::uint32_t warm_facet) const {
   const FacetTree& tree = impl_->tree;
-  const std::uint32_t seed_leaf =
-      warm_facet < tree.leaf_of_facet.size() ? tree.leaf_of_facet[warm_facet] : kNoFacet;
+  const std::uint32_t place =
+      warm_facet < tree.place_of_facet.size() ? tree.place_of_facet[warm_facet] : kNoFacet;
+  const std::uint32_t seed_leaf = place == kNoFacet ? kNoFacet : place / kTreeWidth;
   ClosestPoint closest;
   ClosestPointWork work;
   search_facet_tree(tree, {&query_mm, 1}, seed_leaf, {&closest, 1}, {}, work);

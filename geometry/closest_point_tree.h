@@ -22,12 +22,15 @@ struct ClosestPointWork {
   std::uint64_t boxes_tested = 0;
 };
 
-// The certified cached facet of one moving query point. While distance(leaf) <= lower_bound - motion, the
-// closest point is certainly in the leaf: the paper's cache (section 3.1), made exact.
+// The certified cached facet of one moving query point: the paper's cache (section 3.1), made exact. While
+// distance(facet) < facet_bound - motion, the cached facet certainly is the closest; while distance(leaf) <
+// leaf_bound - motion, its leaf certainly holds the closest; motion is how far the point is from the anchor.
+// Opaque to callers: a default one is empty, the query fills it.
 struct CertifiedCache {
-  Vec3 anchor_mm = Vec3::Zero();  // where the point was when the bound was set
-  double lower_bound_mm = -1.0;   // distance from the anchor to everything outside the leaf; negative: empty
-  std::uint32_t leaf = 0;
+  float anchor_mm[3] = {};  // where the point was when the bounds were set, relative to the tree's centre
+  float facet_bound_mm = -1.0F;  // distance from the anchor to every other facet, at least
+  float leaf_bound_mm = -1.0F;   // distance from the anchor to every other leaf, at least; negative: empty
+  std::uint32_t place = 0;       // of the facet in the tree
 };
 
 class ClosestPointTree {

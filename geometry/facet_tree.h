@@ -41,14 +41,19 @@ struct alignas(64) FacetTreeLeaf {
   std::uint32_t facets;
 };
 
+// A facet as it is measured: corners in the model's coordinates, (c, a) the longest edge.
+struct FacetRecord {
+  double corner_mm[3][3];
+  std::uint32_t facet;
+  std::uint32_t rotation;  // corner k here is corner (k + rotation) % 3 of the model's facet
+};
+
 struct FacetTree {
   Vec3 centre_mm = Vec3::Zero();
   std::vector<FacetTreeNode> nodes;  // nodes[0] is the root
   std::vector<FacetTreeLeaf> leaves;
-  // Per place (leaf * kTreeWidth + lane): corners in double, as in the model, and the facet's number.
-  std::vector<std::array<Vec3, 3>> corners_mm;
-  std::vector<std::uint32_t> facet;
-  std::vector<std::uint32_t> leaf_of_facet;  // kNoFacet for facets outside the selection
+  std::vector<FacetRecord> records;           // by place: leaf * kTreeWidth + lane
+  std::vector<std::uint32_t> place_of_facet;  // kNoFacet for facets outside the selection
 };
 
 // Built over the listed facets. Throws InputError when none is listed, a number is out of range or listed

@@ -68,6 +68,10 @@ class Builder {
     const std::vector<std::uint32_t> counts = child_leaf_counts(leaves);
     halve(first, leaves, 3);
     FacetTreeNode node{};
+    for (int axis = 0; axis < 3; ++axis) {  // unused places are out of everybody's reach
+      std::fill_n(node.lower[axis], kTreeWidth, std::numeric_limits<float>::infinity());
+      std::fill_n(node.upper[axis], kTreeWidth, -std::numeric_limits<float>::infinity());
+    }
     node.children = static_cast<std::uint32_t>(counts.size());
     std::array<Box, kTreeWidth> boxes;
     std::array<std::uint32_t, kTreeWidth> first_leaf{}, child_place{};
@@ -136,12 +140,15 @@ class Builder {
     for (std::uint32_t lane = 0; lane < kTreeWidth; ++lane) {
       const std::uint32_t facet = boxes_[lane < leaf.facets ? begin + lane : begin].facet;
       const std::array<Vec3, 3> corners = model_.corners_mm(facet);
-      tree_.corners_mm[number * kTreeWidth + lane] = corners;
-      tree_.facet[number * kTreeWidth + lane] = facet;
-      tree_.leaf_of_facet[facet] = number;
+      if (lane < leaf.facets) tree_.place_of_facet[facet] = number * kTreeWidth + lane;
       for (const Vec3& corner : corners)
         radius_squared = std::max(radius_squared, (corner - centre).squaredNorm());
-      write_lane(leaf, lane, corners, centre);
+      const int base = longest_edge(corners);
+      FacetRecord& record = tree_.records[number * kTreeWidth + lane];
+      record.facet = facet;
+      record.rotation = static_cast<std::uint32_t>((base + 1) % 3);
+      for (int k = 0; k < 3; ++k) Eigen::Map<Vec3>(record.corner_mm[k]) = corners[(k + base + 1) % 3];
+      write_lane(leaf, lane, corners[base], corners[(base + 1) % 3], corners[(base + 2) % 3], centre);
     }
     Eigen::Map<Vec3>(leaf.centre_mm) = centre;
     // 1e-8 |centre|: coordinates of 1e4 mm are rounded to 1e-12 mm, which kFloatError times this covers 100
@@ -150,9 +157,9 @@ class Builder {
     return box;
   }
 
-  static void write_lane(FacetTreeLeaf& leaf, std::uint32_t lane, const std::array<Vec3, 3>& corners,
-                         const Vec3& centre) {
-    // The longest edge AB is the base: then the foot of C lies on it, and a flat triangle still has a frame.
+  // The edge that the base of the facet's frame is: then the foot of the height lies on it, and a flat
+  // triangle still has a frame.
+  static int longest_edge(const std::array<Vec3, 3>& corners) {
     int base = 0;
     double longest = -1.0;
     for (int k = 0; k < 3; ++k) {
@@ -162,7 +169,13 @@ class Builder {
         base = k;
       }
     }
-    const Vec3 &a = corners[base], &b = corners[(base + 1) % 3], &c = corners[(base + 2) % 3];
+    return base;
+  }
+
+  // Frame of the facet with the base (a, b) and the corner c opposite.
+  static void write_lane(FacetTreeLeaf& leaf, std::uint32_t lane, const Vec3& a, const Vec3& b, const Vec3& c,
+                         const Vec3& centre) {
+    const double longest = (b - a).squaredNorm();
     const Vec3 u = longest > 0.0 ? Vec3((b - a) / std::sqrt(longest)) : Vec3::UnitX();
     Vec3 v = (c - a) - u * u.dot(c - a);
     v -= u * u.dot(v);  // once more: the first difference cancels in a thin triangle
@@ -183,8 +196,8 @@ class Builder {
     leaf.b[lane] = static_cast<float>(u.dot(b - c));
     leaf.height[lane] = static_cast<float>(height);
     const double ca2 = (a - c).squaredNorm(), cb2 = (b - c).squaredNorm();
-    leaf.inverse_ca2[lane] = ca2 > 0.0 ? static_cast<float>(1.0 / ca2) : 0.0F;
-    leaf.inverse_cb2[lane] = cb2 > 0.0 ? static_cast<float>(1.0 / cb2) : 0.0F;
+    leaf.inverse_ca2[lane] = ca2 > 1e-30 ? static_cast<float>(1.0 / ca2) : 0.0F;
+    leaf.inverse_cb2[lane] = cb2 > 1e-30 ? static_cast<float>(1.0 / cb2) : 0.0F;
   }
 
   FacetTree& tree_;
@@ -197,15 +210,15 @@ class Builder {
 FacetTree build_facet_tree(const FacetModel& model, std::span<const std::uint32_t> facets) {
   if (facets.empty()) throw InputError("closest-point tree: no facet is selected");
   FacetTree tree;
-  tree.leaf_of_facet.assign(model.facet_count(), kNoFacet);
+  tree.place_of_facet.assign(model.facet_count(), kNoFacet);
   Vec3 lower = Vec3::Constant(std::numeric_limits<double>::infinity()), upper = -lower;
   for (const std::uint32_t facet : facets) {
     if (facet >= model.facet_count())
       throw InputError("closest-point tree: facet " + std::to_string(facet) + " is not one of the model's " +
                        std::to_string(model.facet_count()));
-    if (tree.leaf_of_facet[facet] != kNoFacet)
+    if (tree.place_of_facet[facet] != kNoFacet)
       throw InputError("closest-point tree: facet " + std::to_string(facet) + " is selected twice");
-    tree.leaf_of_facet[facet] = 0;
+    tree.place_of_facet[facet] = 0;
     for (const Vec3& corner : model.corners_mm(facet)) {
       lower = lower.cwiseMin(corner);
       upper = upper.cwiseMax(corner);
@@ -232,8 +245,7 @@ FacetTree build_facet_tree(const FacetModel& model, std::span<const std::uint32_
   const auto leaves = static_cast<std::uint32_t>((facets.size() + kTreeWidth - 1) / kTreeWidth);
   tree.nodes.resize(node_count(leaves));
   tree.leaves.resize(leaves);
-  tree.corners_mm.resize(std::size_t{leaves} * kTreeWidth);
-  tree.facet.resize(std::size_t{leaves} * kTreeWidth);
+  tree.records.resize(std::size_t{leaves} * kTreeWidth);
   Builder(tree, boxes, model).build_node(0, 0, leaves);
   return tree;
 }

@@ -1,226 +1,200 @@
 #include "geometry/facet_tree_search.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <limits>
 
+// Highway compiles this file once for every instruction set and picks the machine's best at run time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "geometry/facet_tree_search.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+
+#include "geometry/facet_measurement-inl.h"
+#include "geometry/facet_search-inl.h"
+#include "geometry/group_search-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace trueblade {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using Lanes8 = hn::CappedTag<float, kTreeWidth>;
+// A group pays from this many queries on, and while it is no wider than a leaf: then most of what is in reach
+// of one is in reach of all.
+constexpr std::size_t kLeastGroup = 4;
+// The first certificate of a query lasts for a motion of a tenth of a leaf (for 6 to 20 % of the search's
+// time); a renewed one for the motion that used up the last, because the steps of a registration shrink.
+constexpr float kFirstSlack = 0.1F;
 
-// A float distance inside a leaf is wrong by at most this times (|query - centre| + radius): about 25
-// roundings of 2^-24 in the frame, the frame's own rounding and the square root; 64 of them is 3.8e-6.
-constexpr float kFloatError = 4e-6F;
-// A box's lower bound is a sum of three squares of rounded differences: relative error below 6 * 2^-24
-// = 3.6e-7.
-constexpr float kBoundMargin = 1.000001F;
-
-// The query relative to the tree's centre, enclosed by floats.
-struct QueryBox {
-  float lower[3], upper[3];
-  QueryBox(const FacetTree& tree, const Vec3& query_mm) {
-    for (int axis = 0; axis < 3; ++axis) {
-      const double local = query_mm[axis] - tree.centre_mm[axis];
-      const auto rounded = static_cast<float>(local);
-      lower[axis] = rounded - std::abs(rounded) * 1.2e-7F;  // 2^-23: an ulp
-      upper[axis] = rounded + std::abs(rounded) * 1.2e-7F;
-    }
-  }
+// A query that still needs a search.
+struct OpenQuery {
+  std::uint32_t query;
+  float slack;  // the motion that its certificate should outlast
 };
 
-// Squared lower bounds of the distances to the node's children, and the children within `bound`.
-HWY_ATTR HWY_INLINE std::uint32_t test_boxes(const FacetTreeNode& node, const QueryBox& query,
-                                             float bound_squared, float* lower_squared) {
-  const Lanes8 d;
-  const auto bound = hn::Set(d, bound_squared);
-  std::uint32_t within = 0;
-  for (std::size_t i = 0; i < kTreeWidth; i += hn::Lanes(d)) {
-    auto sum = hn::Zero(d);
-    for (int axis = 0; axis < 3; ++axis) {
-      const auto below = hn::Sub(hn::Load(d, node.lower[axis] + i), hn::Set(d, query.upper[axis]));
-      const auto above = hn::Sub(hn::Set(d, query.lower[axis]), hn::Load(d, node.upper[axis] + i));
-      const auto gap = hn::Max(hn::Max(below, above), hn::Zero(d));
-      sum = hn::MulAdd(gap, gap, sum);
-    }
-    hn::Store(sum, d, lower_squared + i);
-    std::uint8_t bits = 0;
-    hn::StoreMaskBits(d, hn::Le(sum, bound), &bits);
-    within |= static_cast<std::uint32_t>(bits) << i;
-  }
-  return within & ((1U << node.children) - 1U);
-}
-
-// Squared float distances of the query (relative to the leaf's centre) to the leaf's facets.
-HWY_ATTR HWY_INLINE void test_leaf(const FacetTreeLeaf& leaf, const float* query, float* distance_squared) {
-  const Lanes8 d;
-  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
-  const auto qx = hn::Set(d, query[0]), qy = hn::Set(d, query[1]), qz = hn::Set(d, query[2]);
-  for (std::size_t i = 0; i < kTreeWidth; i += hn::Lanes(d)) {
-    const auto along = [&](const float(&direction)[3][kTreeWidth], const float* offset) HWY_ATTR {
-      auto sum = hn::MulSub(hn::Load(d, direction[0] + i), qx, hn::Load(d, offset + i));
-      sum = hn::MulAdd(hn::Load(d, direction[1] + i), qy, sum);
-      return hn::MulAdd(hn::Load(d, direction[2] + i), qz, sum);
-    };
-    const auto x = along(leaf.u, leaf.origin[0]), y = along(leaf.v, leaf.origin[1]),
-               z = along(leaf.w, leaf.origin[2]);
-    const auto a = hn::Load(d, leaf.a + i), b = hn::Load(d, leaf.b + i), h = hn::Load(d, leaf.height + i);
-
-    // Edge AB, the line y = -h from x = a to x = b.
-    const auto above = hn::Add(y, h);
-    const auto beside = hn::Sub(x, hn::Min(hn::Max(x, a), b));
-    auto nearest = hn::MulAdd(beside, beside, hn::Mul(above, above));
-    // Edges CA and CB, t (a, -h) and t (b, -h) with t in [0, 1].
-    const auto yh = hn::Mul(y, h);
-    const auto to_edge = [&](const auto& end, const float* inverse_length2) HWY_ATTR {
-      const auto reach = hn::Mul(hn::MulSub(x, end, yh), hn::Load(d, inverse_length2 + i));
-      const auto t = hn::Min(hn::Max(reach, zero), one);
-      const auto dx = hn::NegMulAdd(t, end, x), dy = hn::MulAdd(t, h, y);
-      return hn::MulAdd(dx, dx, hn::Mul(dy, dy));
-    };
-    nearest = hn::Min(nearest, hn::Min(to_edge(a, leaf.inverse_ca2), to_edge(b, leaf.inverse_cb2)));
-    // Inside the three edges the distance in the plane is zero. xh = x h; CA: x h + y a >= 0, CB: x h + y b
-    // <= 0.
-    const auto xh = hn::Mul(x, h);
-    const auto inside = hn::Min(above, hn::Min(hn::MulAdd(y, a, xh), hn::Neg(hn::MulAdd(y, b, xh))));
-    nearest = hn::IfThenElse(hn::Ge(inside, zero), zero, nearest);
-    hn::Store(hn::MulAdd(z, z, nearest), d, distance_squared + i);
-  }
-}
-
-// One query's search: the best answer so far, and what is known about everything outside its leaf.
-struct Search {
+// The range of queries in work, and the search structures around it.
+struct Block {
   const FacetTree& tree;
-  const Vec3& query;
+  const Vec3* queries_mm;
+  CertifiedCache* cache;  // nullptr: none
+  Measurement& measurement;
   ClosestPointWork& work;
-  ClosestPoint best{};
-  std::uint32_t best_leaf = kNoFacet;
-  double best_leaf_lower = 0.0;                              // of the distance to the best leaf
-  double outside = std::numeric_limits<double>::infinity();  // lower bound of what other leaves hold
+  std::uint32_t& seed_leaf;  // where the last answer was found
+};
 
-  HWY_ATTR void visit_leaf(std::uint32_t number) {
-    const FacetTreeLeaf& leaf = tree.leaves[number];
-    float local[3];
-    float reach = leaf.radius_mm;
-    for (int axis = 0; axis < 3; ++axis) {
-      local[axis] = static_cast<float>(query[axis] - leaf.centre_mm[axis]);
-      reach += std::abs(local[axis]);
-    }
-    alignas(32) float distance_squared[kTreeWidth];
-    test_leaf(leaf, local, distance_squared);
-    work.facets_tested += leaf.facets;
-    const double error = kFloatError * reach;
-    float least = distance_squared[0];
-    for (std::uint32_t lane = 1; lane < kTreeWidth; ++lane) least = std::min(least, distance_squared[lane]);
-    const double lower = std::sqrt(static_cast<double>(least)) - error;
-    bool improved = false;
-    for (std::uint32_t lane = 0; lane < leaf.facets; ++lane) {
-      const double reachable = best.distance_mm + error;
-      if (distance_squared[lane] <= reachable * reachable) improved |= measure(number * kTreeWidth + lane);
-    }
-    if (improved) {
-      if (best_leaf != kNoFacet) outside = std::min(outside, best_leaf_lower);
-      best_leaf = number;
-      best_leaf_lower = lower;
-    } else {
-      outside = std::min(outside, lower);
-    }
+HWY_ATTR float motion_since(const FacetTree& tree, const CertifiedCache& known, const Vec3& query_mm) {
+  float squared = 0.0F;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto moved = static_cast<float>(query_mm[axis] - tree.centre_mm[axis] -
+                                          static_cast<double>(known.anchor_mm[axis]));
+    squared += moved * moved;
   }
+  return std::sqrt(squared) * (1.0F + kSquareError);
+}
 
-  bool measure(std::uint32_t place) {
-    const auto& [a, b, c] = tree.corners_mm[place];
-    const FacetPoint candidate = closest_point_on_facet(a, b, c, query);
-    const double distance = (query - candidate.point_mm).norm();
-    const std::uint32_t facet = tree.facet[place];
-    if (distance > best.distance_mm || (distance == best.distance_mm && facet >= best.facet)) return false;
-    best = {candidate.point_mm, distance, facet, candidate.feature};
-    return true;
+// Renews the certificate: `outside` bounds the distance to all other leaves, `second` to the other facets of
+// the leaf.
+HWY_ATTR void certify(const FacetTree& tree, const Vec3& query_mm, std::uint32_t place, float outside,
+                      float second, CertifiedCache& known) {
+  float rounding = 0.0F;  // of the anchor
+  for (int axis = 0; axis < 3; ++axis) {
+    known.anchor_mm[axis] = static_cast<float>(query_mm[axis] - tree.centre_mm[axis]);
+    rounding += std::abs(known.anchor_mm[axis]) * kUlp;
   }
+  known.place = place;
+  known.leaf_bound_mm = place == kNoFacet ? -1.0F : outside - rounding;
+  known.facet_bound_mm = std::min(known.leaf_bound_mm, second - rounding);
+}
 
-  // Everything not visited is farther than the best by more than `slack`.
-  HWY_ATTR void run(std::uint32_t seed_leaf, double slack) {
-    struct Pending {
-      float lower_squared;
-      std::uint32_t child;
-    };
-    Pending stack[64 * kTreeWidth];
-    std::size_t depth = 0;
-    const QueryBox box(tree, query);
-    if (seed_leaf != kNoFacet) visit_leaf(seed_leaf);
-    stack[depth++] = {0.0F, 0};
-    const auto bound_squared = [&] {
-      const double bound = best.distance_mm + slack;
-      return bound < 1e18 ? static_cast<float>(bound * bound) * kBoundMargin
-                          : std::numeric_limits<float>::infinity();
-    };
-    while (depth > 0) {
-      const Pending next = stack[--depth];
-      if (next.lower_squared > bound_squared()) continue;
-      if (next.child & kLeafFlag) {
-        if ((next.child ^ kLeafFlag) != seed_leaf) visit_leaf(next.child ^ kLeafFlag);
+template <bool kCertify>
+HWY_ATTR void search_alone(const Block& block, const OpenQuery& open) {
+  const Vec3& query_mm = block.queries_mm[open.query];
+  Member member;
+  member.query = open.query;
+  member.slack = open.slack;
+  search_one<kCertify>(block.tree, query_mm, block.seed_leaf, member, block.measurement, block.work);
+  measure_candidates(member, block.measurement);
+  if (member.best_place != kNoFacet) block.seed_leaf = member.best_place / kTreeWidth;
+  if (kCertify)
+    certify(block.tree, query_mm, member.best_place, std::min(member.outside, member.upper + member.slack),
+            member.second_lower, block.cache[open.query]);
+}
+
+// False when the group must be searched one by one.
+template <bool kCertify>
+HWY_ATTR bool search_group(const Block& block, const OpenQuery* open, std::size_t size, const Ball& ball) {
+  float slack = 0.0F;
+  for (std::size_t m = 0; m < size; ++m) slack = std::max(slack, open[m].slack);
+  ReachedLeaves reached;
+  if (!reach_leaves(block.tree, ball, slack, block.seed_leaf, reached, block.work)) return false;
+  GroupDistances group;
+  for (std::size_t m = 0; m < kGroup; ++m) {  // the last query fills the vectors
+    const Vec3 local = block.queries_mm[open[std::min(m, size - 1)].query] - ball.centre_mm;
+    group.x[m] = static_cast<float>(local[0]);
+    group.y[m] = static_cast<float>(local[1]);
+    group.z[m] = static_cast<float>(local[2]);
+  }
+  search_together(block.tree, ball, slack, reached, size, group, block.work);
+  for (std::size_t m = 0; m < size; ++m) {
+    const std::uint32_t query = open[m].query;
+    const auto place = static_cast<std::uint32_t>(group.best_place[m]);
+    if (group.unclear >> m & 1U)
+      search_reached(block.tree, block.queries_mm[query], query, reached, group.upper[m], block.measurement,
+                     block.work);
+    else
+      block.measurement.add(query, place);
+    if (kCertify)
+      certify(block.tree, block.queries_mm[query], place,
+              std::min(group.outside[m], group.lower[m] + open[m].slack), group.second_lower[m],
+              block.cache[query]);
+  }
+  block.seed_leaf = static_cast<std::uint32_t>(group.best_place[size - 1]) / kTreeWidth;
+  return true;
+}
+
+// Searches the open queries: neighbours together, others alone.
+template <bool kCertify>
+HWY_ATTR void search(const Block& block, const OpenQuery* open, std::size_t count) {
+  for (std::size_t first = 0; first < count;) {
+    if (kCertify && block.cache[open[first].query].leaf_bound_mm >= 0.0F)
+      block.seed_leaf = block.cache[open[first].query].place / kTreeWidth;
+    std::size_t size = 1;
+    if (block.seed_leaf != kNoFacet) {
+      Vec3 lower = block.queries_mm[open[first].query], upper = lower;
+      const double widest = block.tree.leaves[block.seed_leaf].radius_mm;
+      for (; size < kGroup && first + size < count; ++size) {
+        const Vec3& next = block.queries_mm[open[first + size].query];
+        const Vec3 low = lower.cwiseMin(next), high = upper.cwiseMax(next);
+        if (!((high - low).maxCoeff() <= widest)) break;
+        lower = low;
+        upper = high;
+      }
+      const auto radius = static_cast<float>(0.5 * (upper - lower).norm()) * (1.0F + kSquareError);
+      if (size >= kLeastGroup &&
+          search_group<kCertify>(block, open + first, size, {0.5 * (lower + upper), radius})) {
+        first += size;
         continue;
       }
-      const FacetTreeNode& node = tree.nodes[next.child];
-      work.boxes_tested += node.children;
-      alignas(32) float lower_squared[kTreeWidth];
-      std::uint32_t within = test_boxes(node, box, bound_squared(), lower_squared);
-      const std::size_t base = depth;
-      for (; within != 0; within &= within - 1) {
-        const int k = std::countr_zero(within);
-        std::size_t at = depth++;  // nearest last
-        for (; at > base && stack[at - 1].lower_squared < lower_squared[k]; --at) stack[at] = stack[at - 1];
-        stack[at] = {lower_squared[k], node.child[k]};
-      }
     }
-    outside = std::min(outside, best.distance_mm + slack);
+    for (const std::size_t end = first + size; first < end; ++first)
+      search_alone<kCertify>(block, open[first]);
   }
-};
+}
 
-// The answer from the cached leaf alone, if it certainly holds the closest point.
-HWY_ATTR bool answer_from_cache(const FacetTree& tree, const Vec3& query, const CertifiedCache& known,
-                                ClosestPoint& closest, ClosestPointWork& work) {
-  if (known.lower_bound_mm < 0.0) return false;
-  Search search{tree, query, work};
-  search.visit_leaf(known.leaf);
-  if (search.best.distance_mm >= known.lower_bound_mm - (query - known.anchor_mm).norm()) return false;
-  closest = search.best;
-  return true;
+// Answers what the certificates allow, first from the facet alone, then from its leaf; returns the number of
+// queries left open.
+HWY_ATTR std::size_t answer_from_cache(const Block& block, ClosestPoint* closest, std::size_t count,
+                                       OpenQuery* open) {
+  const auto known = [&](std::size_t i) { return block.cache[i].leaf_bound_mm >= 0.0F; };
+  for (std::size_t i = 0; i < count; ++i)
+    if (known(i)) block.measurement.add(static_cast<std::uint32_t>(i), block.cache[i].place);
+  block.measurement.measure();
+  const std::uint32_t any_leaf = block.seed_leaf == kNoFacet ? 0 : block.seed_leaf;
+  const float first_slack = kFirstSlack * block.tree.leaves[any_leaf].radius_mm;
+  std::size_t left = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto query = static_cast<std::uint32_t>(i);
+    if (!known(i)) {
+      open[left++] = {query, first_slack};
+      continue;
+    }
+    const CertifiedCache& cache = block.cache[i];
+    const float motion = motion_since(block.tree, cache, block.queries_mm[i]);
+    if (closest[i].distance_mm < static_cast<double>(cache.facet_bound_mm - motion)) {
+      ++block.work.facets_tested;
+      ++block.work.cache_hits;
+      continue;
+    }
+    Member member;
+    member.query = query;
+    member.upper = static_cast<float>(closest[i].distance_mm) * (1.0F + kUlp);
+    block.work.facets_tested += kTreeWidth;
+    visit_leaf<false>(block.tree, cache.place / kTreeWidth, block.queries_mm[i], member, block.measurement);
+    if (member.upper < cache.leaf_bound_mm - motion) {
+      measure_candidates(member, block.measurement);
+      ++block.work.cache_hits;
+    } else {
+      open[left++] = {query, motion};
+    }
+  }
+  return left;
 }
 
 HWY_ATTR void SearchAll(const FacetTree& tree, std::span<const Vec3> queries_mm, std::uint32_t seed_leaf,
                         std::span<ClosestPoint> closest, std::span<CertifiedCache> cache,
                         ClosestPointWork& work) {
   work.queries += queries_mm.size();
-  for (std::size_t i = 0; i < queries_mm.size(); ++i) {
-    const Vec3& query = queries_mm[i];
-    double slack = 0.0;
-    if (!cache.empty()) {
-      if (answer_from_cache(tree, query, cache[i], closest[i], work)) {
-        ++work.cache_hits;
-        seed_leaf = cache[i].leaf;
-        continue;
-      }
-      if (cache[i].lower_bound_mm >= 0.0) {
-        seed_leaf = cache[i].leaf;
-        slack = (query - cache[i].anchor_mm).norm();
-      } else if (seed_leaf != kNoFacet) {
-        slack = 0.1 * tree.leaves[seed_leaf].radius_mm;
-      }
+  for (std::size_t begin = 0; begin < queries_mm.size(); begin += kBlock) {
+    const std::size_t count = std::min(kBlock, queries_mm.size() - begin);
+    Measurement measurement(tree, &queries_mm[begin], &closest[begin], count);
+    OpenQuery open[kBlock];
+    if (cache.empty()) {
+      for (std::uint32_t i = 0; i < count; ++i) open[i] = {i, 0.0F};
+      search<false>({tree, &queries_mm[begin], nullptr, measurement, work, seed_leaf}, open, count);
+    } else {
+      const Block block{tree, &queries_mm[begin], &cache[begin], measurement, work, seed_leaf};
+      search<true>(block, open, answer_from_cache(block, &closest[begin], count, open));
     }
-    Search search{tree, query, work};
-    search.run(seed_leaf, slack);
-    closest[i] = search.best;
-    seed_leaf = search.best_leaf;
-    // 1e-12: the bound is used with rounded distances and motions.
-    if (!cache.empty()) cache[i] = {query, search.outside * (1.0 - 1e-12), search.best_leaf};
+    measurement.measure();
   }
 }
 

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "geometry/error.h"
 #include "geometry/parallel.h"
+#include "part/exact_closest_point.h"
 
 namespace trueblade {
 namespace {
@@ -16,6 +19,18 @@ void check_finite(const ScanPoints& scan, const RigidTransform& part_from_mcs) {
   for (std::size_t i = 0; i < scan.size(); ++i) {
     if (!scan.position_mcs_mm[i].allFinite()) throw InputError(fmt::format("scan point {} is not finite", i));
   }
+}
+
+Deviations sized(std::size_t n) {
+  Deviations d;
+  d.point_mm.resize(n);
+  d.nominal_mm.resize(n);
+  d.normal.resize(n);
+  d.signed_mm.resize(n);
+  d.from_facets_mm.resize(n);
+  d.facet.resize(n);
+  d.surface.resize(n);
+  return d;
 }
 
 }  // namespace
@@ -32,19 +47,12 @@ DeviationSurface parse_deviation_surface(const std::string& name) {
 
 Deviations evaluate_deviations(const Part& part, const ClosestPointTree& tree, const PseudoNormals& normals,
                                const ScanPoints& scan, const RigidTransform& part_from_mcs,
-                               const DeviationOptions&) {
+                               const DeviationOptions& options) {
   check_finite(scan, part_from_mcs);
   const std::size_t n = scan.size();
-  Deviations d;
-  d.point_mm.resize(n);
-  d.nominal_mm.resize(n);
-  d.normal.resize(n);
-  d.signed_mm.resize(n);
-  d.from_facets_mm.resize(n);
-  d.facet.resize(n);
-  d.surface.resize(n);
+  Deviations d = sized(n);
   d.snr = scan.snr;
-
+  std::vector<char> is_exact(n, 0);
   parallel_for_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 point = part_from_mcs * scan.position_mcs_mm[i];
@@ -52,12 +60,20 @@ Deviations evaluate_deviations(const Part& part, const ClosestPointTree& tree, c
       d.point_mm[i] = point;
       d.nominal_mm[i] = closest.point_mm;
       d.normal[i] = normals.normal(closest);
-      d.from_facets_mm[i] = normals.signed_distance_mm(closest, point);
-      d.signed_mm[i] = d.from_facets_mm[i];
+      d.from_facets_mm[i] = d.signed_mm[i] = normals.signed_distance_mm(closest, point);
       d.facet[i] = closest.facet;
       d.surface[i] = part.model.surface_of(closest.facet);
+      if (options.surface == DeviationSurface::facets) continue;
+      if (const auto exact = refine_to_exact(part, closest, point)) {
+        d.nominal_mm[i] = exact->foot.point_mm;
+        d.normal[i] = exact->foot.normal;
+        d.signed_mm[i] = exact->distance_mm;
+        d.surface[i] = exact->surface;
+        is_exact[i] = 1;
+      }
     }
   });
+  d.exact = static_cast<std::size_t>(std::count(is_exact.begin(), is_exact.end(), 1));
   d.outliers = report_outliers(d.signed_mm);
   return d;
 }

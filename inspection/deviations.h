@@ -34,7 +34,7 @@ struct Deviations {
   std::vector<double> signed_mm;  // from the surface that was asked for
   std::vector<double> from_facets_mm;
   std::vector<std::uint32_t> facet;
-  std::vector<std::uint32_t> surface;  // CAD surface of the facet
+  std::vector<std::uint32_t> surface;  // CAD surface of the nominal point
   std::vector<double> snr;             // as the scan has it, or empty
   std::size_t exact = 0;               // points whose deviation is from an exact surface
   ReportOutliers outliers;

@@ -157,7 +157,7 @@ void draw_colour_bar(Canvas& canvas, const Bar& bar, const RunFacts& run,
     const double deviation_mm = limit * (1.0 - 2.0 * (row + 0.5) / bar.height);
     canvas.rectangle(bar.left, bar.top + row, bar.width, 1.0, colour_of(run.colour_map, deviation_mm, limit));
   }
-  canvas.frame(bar.left, bar.top, bar.width, bar.height, kFaintInk, 1.0);
+  canvas.frame(bar.left - 0.5, bar.top - 0.5, bar.width + 1.0, bar.height + 1.0, kFaintInk, 1.0);
 
   const double right = bar.left + bar.width;
   for (int tick = -4; tick <= 4; ++tick) {
@@ -217,7 +217,7 @@ std::string footer(const RunFacts& run) {
   add(run.scenario);
   add(fmt::format("seed {}", run.seed));
   add(run.lens.empty() ? "" : "lens " + run.lens);
-  add(run.deviations_from.empty() ? "" : "deviations from " + run.deviations_from + " surface");
+  add(run.deviations_from.empty() ? "" : "deviations from " + run.deviations_from);
   return text;
 }
 
@@ -230,10 +230,7 @@ void PictureOptions::validate() const {
   if (height_px < 600 || height_px > 16384) {
     throw InputError(fmt::format("picture height_px is {}, must be from 600 to 16384", height_px));
   }
-  if (tolerance && !(tolerance->lower_mm < tolerance->upper_mm)) {
-    throw InputError(fmt::format("tolerance is {} to {} mm, the lower limit must be below the upper",
-                                 tolerance->lower_mm, tolerance->upper_mm));
-  }
+  if (tolerance) tolerance->validate();
 }
 
 void render_deviation_png(const std::filesystem::path& file, const Part& part, const RayCaster& caster,

@@ -8,15 +8,11 @@
 #include "geometry/ray_caster.h"
 #include "inspection/deviations.h"
 #include "inspection/result.h"
+#include "inspection/tolerance.h"
 #include "inspection/viewpoint.h"
 #include "part/part.h"
 
 namespace trueblade {
-
-struct Tolerance {
-  double lower_mm;
-  double upper_mm;
-};
 
 struct PictureOptions {
   int width_px = 1600;

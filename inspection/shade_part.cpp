@@ -75,7 +75,7 @@ float light_on(Vec3 normal, const Camera& camera) {
   const Vec3 n(normal.dot(camera.right), normal.dot(camera.up), normal.dot(camera.to_camera));
   static const Vec3 key = Vec3(-0.45, 0.55, 0.70).normalized();
   static const Vec3 fill = Vec3(0.80, -0.10, 0.40).normalized();
-  const double light = 0.34 + 0.50 * std::max(0.0, n.dot(key)) + 0.16 * std::max(0.0, n.dot(fill));
+  const double light = 0.40 + 0.46 * std::max(0.0, n.dot(key)) + 0.14 * std::max(0.0, n.dot(fill));
   return static_cast<float>(light);
 }
 

@@ -172,7 +172,8 @@ void measure_footprint(BladeAirfoil& airfoil, const std::vector<Strip>& strips) 
 
 BladeAirfoil blade_airfoil_faces(const TurbineBladeParameters& parameters) {
   const MeanLine mean_line = mean_line_of(parameters);
-  // The radii shrink along the span no faster than the sections: what fits at both ends fits between.
+  // A radius that fits both ends fits between: it is linear along the span, and the radius of the section's
+  // nose, which goes with thickness^2 / chord, is convex.
   BladeSection(mean_line, section_size_at(parameters, 0.0), "root");
   BladeSection(mean_line, section_size_at(parameters, parameters.span_mm), "tip");
 

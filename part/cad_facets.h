@@ -22,6 +22,7 @@ struct CadFacets {
   std::vector<std::array<Vec2, 3>> corner_parameters;  // of each facet on its surface
   std::vector<PartSurface> surfaces;                   // surface i is face i of the shape
   std::shared_ptr<const ExactSurfaces> exact;
+  double chord_tolerance_mm = 0.0;  // that the facets keep
 };
 
 enum class CadFormat { step, iges };

@@ -32,7 +32,8 @@ CadShape sew_solid(const std::vector<NamedFace>& faces) {
   // A solid that is itself reversed is right, but fillets on it are not.
   if (solid.Orientation() == TopAbs_REVERSED)
     solid = BRepBuilderAPI_MakeSolid(TopoDS::Shell(sewn.Reversed()));
-  if (!BRepCheck_Analyzer(solid).IsValid()) throw std::logic_error("sew_solid: the solid is not valid");
+  if (!BRepCheck_Analyzer(solid).IsValid())
+    throw InputError("the parameters make no valid solid: its faces cross each other");
 
   CadShape cad{solid, {}, {}};
   TopTools_IndexedMapOfShape oriented;

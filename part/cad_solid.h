@@ -16,7 +16,8 @@ struct NamedFace {
 };
 
 // The solid that the faces bound, each face looking outward, in the order given. Precondition: the faces meet
-// edge to edge within 1e-6 mm and leave no gap; throws std::logic_error when they do not.
+// edge to edge within 1e-6 mm and leave no gap; throws std::logic_error when they do not. Throws InputError
+// when faces cross each other.
 CadShape sew_solid(const std::vector<NamedFace>& faces);
 
 // The solid that `operation` made of `solid`: old faces keep order and name, new ones follow as

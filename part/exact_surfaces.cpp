@@ -1,143 +1,14 @@
 #include "part/exact_surfaces.h"
 
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepTools.hxx>
-#include <BRep_Tool.hxx>
 #include <Eigen/Geometry>
-#include <Geom2d_Curve.hxx>
-#include <Geom_Surface.hxx>
-#include <Poly_PolygonOnTriangulation.hxx>
-#include <Poly_Triangulation.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopoDS.hxx>
-#include <TopoDS_Edge.hxx>
-#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "part/cad_surfaces.h"
-#include "part/trimmed_region.h"
+#include "part/exact_face.h"
 
 namespace trueblade {
-
-namespace {
-
-struct Derivatives {
-  Vec3 point, du, dv, duu, duv, dvv;
-};
-
-struct ExactFace {
-  Handle(Geom_Surface) surface;  // placed in the part frame
-  double outward = 1.0;          // +1: the outward normal is du x dv, -1: its opposite
-  Vec2 lower, upper;             // natural bounds; infinite for planes and the like
-  Vec2 period = Vec2::Zero();    // 0: not periodic
-  TrimmedRegion region;
-
-  Derivatives at(const Vec2& uv) const {
-    gp_Pnt p;
-    gp_Vec u, v, uu, vv, uv_;
-    surface->D2(uv.x(), uv.y(), p, u, v, uu, vv, uv_);
-    const auto vector = [](const auto& a) { return Vec3(a.X(), a.Y(), a.Z()); };
-    return {vector(p), vector(u), vector(v), vector(uu), vector(uv_), vector(vv)};
-  }
-
-  // Keeps a parameter inside the natural bounds; a periodic one is brought into the face's own turn instead.
-  Vec2 within_bounds(Vec2 uv) const {
-    for (int k = 0; k < 2; ++k) {
-      if (period[k] > 0.0)
-        uv[k] -= period[k] * std::floor((uv[k] - first_turn[k]) / period[k]);
-      else
-        uv[k] = std::clamp(uv[k], lower[k], upper[k]);
-    }
-    return uv;
-  }
-  Vec2 first_turn = Vec2::Zero();  // where the turn that holds the face begins
-
-  Vec3 normal(const Derivatives& s, const Vec2& uv) const;
-  TrimSide side_of(const Derivatives& s, const Vec2& uv) const;
-};
-
-// The outward unit normal. Where one partial derivative vanishes (a pole, a collapsed side of a B-spline) the
-// normal's limit from inside the surface is taken: with du = 0 at v0, du x dv = (v - v0) duv x dv + ...
-Vec3 ExactFace::normal(const Derivatives& s, const Vec2& uv) const {
-  Vec3 normal = s.du.cross(s.dv);
-  // Parallel or vanishing to half the digits: the direction of the rest is noise.
-  constexpr double kVanishing = 1e-8;
-  if (normal.norm() <= kVanishing * std::max(s.du.squaredNorm(), s.dv.squaredNorm())) {
-    const bool u_vanishes = s.du.squaredNorm() < s.dv.squaredNorm();
-    const int across = u_vanishes ? 1 : 0;  // the parameter along which the limit is taken
-    const double inward = uv[across] > 0.5 * (region.lower()[across] + region.upper()[across]) ? -1.0 : 1.0;
-    normal = inward * (u_vanishes ? s.duv.cross(s.dv) : s.du.cross(s.duv));
-  }
-  return outward * normal.normalized();
-}
-
-TrimSide ExactFace::side_of(const Derivatives& s, const Vec2& uv) const {
-  if (region.contains(uv)) return TrimSide::inside;
-  const double du = kTrimMarginMm / std::max(s.du.norm(), 1e-300);
-  const double dv = kTrimMarginMm / std::max(s.dv.norm(), 1e-300);
-  // The eight neighbours at the margin's distance: one of them is inside when the border is that near.
-  for (const double a : {-1.0, 0.0, 1.0})
-    for (const double b : {-1.0, 0.0, 1.0})
-      if (region.contains(within_bounds(uv + Vec2(a * du, b * dv)))) return TrimSide::margin;
-  return TrimSide::outside;
-}
-
-// The border of a face in its parameter plane: every trimming curve at the parameters of the triangulation's
-// nodes, which follow the curve within the chord tolerance, and seven points between each two of them, so
-// that the polygon follows it within 1/64 of that (a chord's error falls with the square of its length).
-std::vector<TrimmedRegion::Segment> border_of(const TopoDS_Face& face) {
-  constexpr int kRefinement = 8;
-  std::vector<TrimmedRegion::Segment> border;
-  TopLoc_Location location;
-  const Handle(Poly_Triangulation) triangulation = BRep_Tool::Triangulation(face, location);
-  if (triangulation.IsNull()) return border;
-  for (TopExp_Explorer each(face, TopAbs_EDGE); each.More(); each.Next()) {
-    const TopoDS_Edge edge = TopoDS::Edge(each.Current());
-    if (edge.Orientation() != TopAbs_FORWARD && edge.Orientation() != TopAbs_REVERSED) continue;
-    double first = 0.0, last = 0.0;
-    const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
-    if (curve.IsNull()) continue;
-    const Handle(Poly_PolygonOnTriangulation) polygon =
-        BRep_Tool::PolygonOnTriangulation(edge, triangulation, location);
-    std::vector<double> parameters{first, last};
-    if (!polygon.IsNull() && polygon->HasParameters()) {
-      parameters.clear();
-      for (int i = 1; i <= polygon->NbNodes(); ++i) parameters.push_back(polygon->Parameter(i));
-    }
-    const auto point = [&](double parameter) {
-      const gp_Pnt2d p = curve->Value(parameter);
-      return Vec2(p.X(), p.Y());
-    };
-    Vec2 from = point(parameters.front());
-    for (std::size_t i = 1; i < parameters.size(); ++i)
-      for (int k = 1; k <= kRefinement; ++k) {
-        const Vec2 to = point(std::lerp(parameters[i - 1], parameters[i], double(k) / kRefinement));
-        border.push_back({from, to});
-        from = to;
-      }
-  }
-  return border;
-}
-
-ExactFace exact_face(const TopoDS_Face& face) {
-  ExactFace exact;
-  TopLoc_Location location;
-  const Handle(Geom_Surface) local = BRep_Tool::Surface(face, location);
-  const gp_Trsf& placement = location.Transformation();
-  exact.surface =
-      location.IsIdentity() ? local : Handle(Geom_Surface)::DownCast(local->Transformed(placement));
-  // A mirroring placement turns du x dv over as well.
-  exact.outward = (face.Orientation() == TopAbs_REVERSED) != placement.IsNegative() ? -1.0 : 1.0;
-  exact.surface->Bounds(exact.lower.x(), exact.upper.x(), exact.lower.y(), exact.upper.y());
-  if (exact.surface->IsUPeriodic()) exact.period.x() = exact.surface->UPeriod();
-  if (exact.surface->IsVPeriodic()) exact.period.y() = exact.surface->VPeriod();
-  exact.region = TrimmedRegion(border_of(face));
-  // The turn that holds the face, with what it leaves free of the full turn shared by both sides.
-  exact.first_turn = 0.5 * (exact.region.lower() + exact.region.upper()) - 0.5 * exact.period;
-  return exact;
-}
-
-}  // namespace
 
 struct ExactSurfaces::Impl {
   std::vector<ExactFace> faces;
@@ -152,7 +23,7 @@ std::size_t ExactSurfaces::size() const {
 
 SurfacePoint ExactSurfaces::evaluate(std::uint32_t surface, const Vec2& parameters) const {
   const ExactFace& face = impl_->faces[surface];
-  const Derivatives s = face.at(parameters);
+  const SurfaceDerivatives s = face.at(parameters);
   return {s.point, face.normal(s, parameters), parameters};
 }
 
@@ -162,27 +33,35 @@ namespace {
 // point's own error is then about step^2 / radius, far below the rounding of coordinates of 100 mm (1e-14
 // mm).
 constexpr double kArrivedMm = 1e-9;
-// From a facet's parameters Newton needs three to five steps; what needs more does not converge.
+// From a facet's parameters Newton needs two to five steps; what needs this many does not converge.
 constexpr int kMostIterations = 30;
 
-// The Newton step of |S(u,v) - query|^2 / 2. Where the Hessian is not positive definite (the query lies
-// beyond a centre of curvature) the Gauss-Newton step, which always descends.
-Vec2 projection_step(const Derivatives& s, const Vec3& from_query) {
+// The step of Newton's method for the least distance from the query: gradient and Hessian of
+// |S(u, v) - query|^2 / 2. A parameter at a natural bound that the descent would leave stays there.
+Vec2 projection_step(const SurfaceDerivatives& s, const Vec3& from_query, const std::array<int, 2>& bound) {
   const double gu = from_query.dot(s.du), gv = from_query.dot(s.dv);
   const double euu = s.du.squaredNorm(), evv = s.dv.squaredNorm(), euv = s.du.dot(s.dv);
   const double huu = euu + from_query.dot(s.duu);
   const double hvv = evv + from_query.dot(s.dvv);
   const double huv = euv + from_query.dot(s.duv);
-  const double determinant = huu * hvv - huv * huv;
-  // Positive with a margin against the Gauss-Newton matrix, which it equals on the surface.
+  // Beyond a centre of curvature the Hessian is not positive definite; the Gauss-Newton matrix (e) then still
+  // leads downhill. The margin keeps steps near the centre from growing beyond a thousand times the latter's.
   constexpr double kDefinite = 1e-3;
-  if (huu > kDefinite * euu && determinant > kDefinite * (euu * evv - euv * euv))
-    return {(-gu * hvv + gv * huv) / determinant, (-gv * huu + gu * huv) / determinant};
-  const double gauss = euu * evv - euv * euv;
-  if (gauss > 1e-12 * euu * evv) return {(-gu * evv + gv * euv) / gauss, (-gv * euu + gu * euv) / gauss};
-  // At a pole one derivative vanishes or both are parallel: move along the longer one.
-  if (euu > evv) return {-gu / euu, 0.0};
-  return {0.0, evv > 0.0 ? -gv / evv : 0.0};
+  const auto step_along = [](double g, double h, double e) {
+    if (h > kDefinite * e) return -g / h;
+    return e > 0.0 ? -g / e : 0.0;
+  };
+  const bool u_stays = bound[0] * gu < 0.0, v_stays = bound[1] * gv < 0.0;
+  if (u_stays && v_stays) return Vec2::Zero();
+  if (u_stays) return {0.0, step_along(gv, hvv, evv)};
+  if (v_stays) return {step_along(gu, huu, euu), 0.0};
+
+  const double determinant = huu * hvv - huv * huv, gauss = euu * evv - euv * euv;
+  if (huu > kDefinite * euu && determinant > kDefinite * gauss && determinant > 0.0)
+    return {(gv * huv - gu * hvv) / determinant, (gu * huv - gv * huu) / determinant};
+  if (gauss > 1e-12 * euu * evv) return {(gv * euv - gu * evv) / gauss, (gu * euv - gv * euu) / gauss};
+  // At a pole a derivative vanishes or both are parallel: along the longer one.
+  return euu > evv ? Vec2(-gu / euu, 0.0) : Vec2(0.0, step_along(gv, hvv, evv));
 }
 
 }  // namespace
@@ -191,26 +70,26 @@ ExactSurfaces::Projection ExactSurfaces::project(std::uint32_t surface, const Ve
                                                  const Vec2& start) const {
   const ExactFace& face = impl_->faces[surface];
   Vec2 uv = face.within_bounds(start);
-  Derivatives s = face.at(uv);
+  SurfaceDerivatives s = face.at(uv);
   double squared = (s.point - query_mm).squaredNorm();
   bool arrived = false;
   int iteration = 0;
   while (!arrived && iteration < kMostIterations) {
     ++iteration;
-    Vec2 step = projection_step(s, s.point - query_mm);
-    // Halve the step while it leads away from the query; near the end rounding alone decides, so a step that
-    // is short enough is taken as it is.
+    Vec2 step = projection_step(s, s.point - query_mm, face.bound_at(uv));
+    // The step is halved while it leads away from the query. Near the end rounding alone decides, so a step
+    // that is short enough is taken as it is.
     Vec2 next_uv;
-    Derivatives next;
-    double next_squared = 0.0, moved = 0.0;
+    SurfaceDerivatives next;
+    double next_squared = 0.0, moved_mm = 0.0;
     for (int halving = 0; halving < 10; ++halving, step *= 0.5) {
       next_uv = face.within_bounds(uv + step);
       next = face.at(next_uv);
       next_squared = (next.point - query_mm).squaredNorm();
-      moved = (next.point - s.point).norm();
-      if (next_squared <= squared || moved <= kArrivedMm) break;
+      moved_mm = (next.point - s.point).norm();
+      if (next_squared <= squared || moved_mm <= kArrivedMm) break;
     }
-    arrived = moved <= kArrivedMm;
+    arrived = moved_mm <= kArrivedMm;
     uv = next_uv;
     s = next;
     squared = next_squared;
@@ -229,18 +108,16 @@ ExactSurfaces::RayIntersection ExactSurfaces::intersect(std::uint32_t surface, c
   const ExactFace& face = impl_->faces[surface];
   Vec2 uv = face.within_bounds(start);
   double range_mm = start_range_mm;
-  Derivatives s = face.at(uv);
+  SurfaceDerivatives s = face.at(uv);
   bool arrived = false;
   for (int iteration = 0; !arrived && iteration < kMostIterations; ++iteration) {
-    // S(u, v) - o - t d = 0, linearised: [du dv -d] (step_u, step_v, t) = o - S.
-    Mat3 jacobian;
-    jacobian << s.du, s.dv, -direction;
-    const double determinant = jacobian.determinant();
-    // The ray grazes the surface, or a pole: no unique step.
-    if (std::abs(determinant) <= 1e-9 * s.du.norm() * s.dv.norm()) break;
+    // S(u, v) = o + t d, linearised: du step_u + dv step_v - t d = o - S, solved by Cramer's rule.
+    const double determinant = s.du.cross(s.dv).dot(direction);
+    constexpr double kGrazing = 1e-9;  // sine of the angle between ray and surface: no step to be trusted
+    if (std::abs(determinant) <= kGrazing * s.du.norm() * s.dv.norm()) break;
     const Vec3 to_origin = origin_mm - s.point;
-    const Vec2 step(to_origin.dot(s.dv.cross(-direction)) / determinant,
-                    to_origin.dot((-direction).cross(s.du)) / determinant);
+    const Vec2 step(to_origin.dot(s.dv.cross(direction)) / determinant,
+                    to_origin.dot(direction.cross(s.du)) / determinant);
     uv = face.within_bounds(uv + step);
     s = face.at(uv);
     range_mm = direction.dot(s.point - origin_mm);
@@ -250,9 +127,11 @@ ExactSurfaces::RayIntersection ExactSurfaces::intersect(std::uint32_t surface, c
   return {{s.point, face.normal(s, uv), uv}, range_mm, arrived && side != TrimSide::outside, side};
 }
 
-std::shared_ptr<const ExactSurfaces> make_exact_surfaces(const std::vector<TopoDS_Face>& faces) {
+std::shared_ptr<const ExactSurfaces> make_exact_surfaces(const std::vector<TopoDS_Face>& faces,
+                                                         double chord_tolerance_mm) {
   auto impl = std::make_unique<ExactSurfaces::Impl>();
-  for (const TopoDS_Face& face : faces) impl->faces.push_back(exact_face(face));
+  impl->faces.reserve(faces.size());
+  for (const TopoDS_Face& face : faces) impl->faces.emplace_back(face, chord_tolerance_mm);
   return std::make_shared<const ExactSurfaces>(std::move(impl));
 }
 

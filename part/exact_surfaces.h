@@ -15,8 +15,9 @@ struct SurfacePoint {
   Vec2 parameters;  // u, v
 };
 
-// Where a foot point lies with respect to the trimming curves of its face. `margin`: outside, but within
-// kTrimMargin_mm of the border, where the untrimmed surface still tells the shape of the part.
+// Where a foot point lies with respect to the trimming curves of its face. They are known as polygons, exact
+// to 1/64 of the chord tolerance, and `inside` reaches that far beyond them. `margin`: outside, but within
+// kTrimMarginMm of the border, where the untrimmed surface still tells the shape of the part.
 enum class TrimSide : std::uint8_t { inside, margin, outside };
 inline constexpr double kTrimMarginMm = 0.01;
 

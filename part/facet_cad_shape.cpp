@@ -18,6 +18,7 @@
 #include "geometry/error.h"
 #include "part/cad_guard.h"
 #include "part/cad_surfaces.h"
+#include "part/refine_facets.h"
 
 namespace trueblade {
 
@@ -165,10 +166,12 @@ CadFacets facet_cad_shape(const CadShape& cad, const std::filesystem::path& file
       collector.mesh.surfaces.push_back({cad.names[i].empty() ? "surface_" + std::to_string(i) : cad.names[i],
                                          surface_kind(cad.faces[i]), 0, 0.0});
     }
-    collector.mesh.exact = make_exact_surfaces(cad.faces);
+    collector.mesh.exact = make_exact_surfaces(cad.faces, options.chord_tolerance_mm);
   });
   if (collector.mesh.facets.empty()) throw file_error(file.string(), "none of its surfaces could be faceted");
   collector.unite_nodes();
+  collector.mesh.chord_tolerance_mm = options.chord_tolerance_mm;
+  refine_facets(collector.mesh);
   return std::move(collector.mesh);
 }
 

@@ -1,5 +1,7 @@
 #include "part/formed_part_parameters.h"
 
+#include <algorithm>
+
 #include "part/forming.h"
 #include "part/require_parameter.h"
 
@@ -25,13 +27,30 @@ void FormedPartParameters::validate() const {
                     fmt::format("between {:.3g} (three times thickness_mm) and 50", 3.0 * thickness_mm));
   require_within("lengthwise_crown_mm", lengthwise_crown_mm, 0.0, 0.1 * length_mm);
   require_within("crosswise_crown_deg", crosswise_crown_deg, 0.0, 45.0);
-  // A ramp of width w and height h bends the sheet to a radius of w^2 / (5.77 h); it must stay above twice
-  // the thickness or the inner skin folds.
-  const double ramp = kRampToPanel * panel_mm;
-  const double tallest_bead = ramp * ramp / (5.77 * 2.0 * thickness_mm);
+
+  // A ramp of width w and height h bends the sheet to a radius of w^2 / (5.77 h); where that is the thickness
+  // the inner skin folds.
+  const auto tallest_on = [&](double ramp_mm) { return ramp_mm * ramp_mm / (5.77 * 1.4 * thickness_mm); };
+  const double tallest_bead = tallest_on(kRampToPanel * panel_mm);
   require_parameter(
       bead_height_mm >= 0.0 && bead_height_mm <= tallest_bead, "bead_height_mm", bead_height_mm,
       fmt::format("between 0 and {:.3g}, for ramps of {} of panel_mm", tallest_bead, kRampToPanel));
+  const double deepest_dart =
+      tallest_on(kRampToBend * bend_width_mm(*this, std::min(front_bend_deg, back_bend_deg)));
+  require_parameter(
+      dart_depth_mm >= 0.0 && dart_depth_mm <= deepest_dart, "dart_depth_mm", dart_depth_mm,
+      fmt::format("between 0 and {:.3g}, for ramps of {} of the narrower bend", deepest_dart, kRampToBend));
+
+  const double largest_hole = std::min(0.2 * panel_mm, 0.1 * length_mm);
+  require_parameter(
+      hole_diameter_mm >= 0.5 && hole_diameter_mm <= largest_hole, "hole_diameter_mm", hole_diameter_mm,
+      fmt::format("between 0.5 and {:.3g} (0.2 of panel_mm and 0.1 of length_mm)", largest_hole));
+  require_within("lengthwise_patches", lengthwise_patches, 1, 50);
+  const double shortest_rim =
+      std::min({front_flange_mm, back_flange_mm, 0.9 * length_mm / lengthwise_patches});
+  require_parameter(
+      corner_radius_mm >= 0.1 && corner_radius_mm <= 0.8 * shortest_rim, "corner_radius_mm", corner_radius_mm,
+      fmt::format("between 0.1 and {:.3g}, to end on the first patch of the rim", 0.8 * shortest_rim));
 }
 
 int surface_count(const FormedPartParameters& p) {

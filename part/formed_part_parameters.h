@@ -9,8 +9,8 @@ namespace trueblade {
 struct FormedPartParameters {
   double length_mm = 120.0;
   double thickness_mm = 1.2;
-  double front_flange_mm = 12.0;
-  double panel_mm = 52.0;
+  double front_flange_mm = 11.0;
+  double panel_mm = 49.0;
   double back_flange_mm = 10.0;
   double front_bend_deg = 62.0;  // in the middle of the part
   double back_bend_deg = 48.0;

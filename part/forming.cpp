@@ -21,13 +21,17 @@ constexpr double kSteepestSlope = 15.0 / 8.0;
 
 }  // namespace
 
+// The heading turns fastest in the middle of a bend, by angle * 15/8 / width = 1 / radius.
+double bend_width_mm(const FormedPartParameters& p, double bend_deg) {
+  return kSteepestSlope * p.bend_radius_mm * (bend_deg + p.bend_twist_deg) * kDegree;
+}
+
 Forming::Forming(const FormedPartParameters& p)
     : parameters_(p),
       front_bend_(p.front_bend_deg * kDegree),
       back_bend_(p.back_bend_deg * kDegree),
-      // The heading turns fastest in the middle of a bend, by angle * 15/8 / width = 1 / radius.
-      front_bend_width_(kSteepestSlope * p.bend_radius_mm * (p.front_bend_deg + p.bend_twist_deg) * kDegree),
-      back_bend_width_(kSteepestSlope * p.bend_radius_mm * (p.back_bend_deg + p.bend_twist_deg) * kDegree) {
+      front_bend_width_(bend_width_mm(p, p.front_bend_deg)),
+      back_bend_width_(bend_width_mm(p, p.back_bend_deg)) {
   const double half = 0.5 * p.panel_mm;
   across_borders_ = {-half - front_bend_width_ - p.front_flange_mm,
                      -half - front_bend_width_,
@@ -46,7 +50,7 @@ Forming::Forming(const FormedPartParameters& p)
       {0.0, 0.0, 0.0, 0.04 * p.length_mm, 0.6 * p.hole_diameter_mm, 1.2 * ramp, p.bead_height_mm});
   const auto add_dart = [&](double bend, double bend_width, double along) {
     bumps_.push_back(
-        {bend, along * p.length_mm, 0.2 * bend_width, 0.0, 0.0, 0.4 * bend_width, -p.dart_depth_mm});
+        {bend, along * p.length_mm, 0.2 * bend_width, 0.0, 0.0, kRampToBend * bend_width, -p.dart_depth_mm});
   };
   for (const double along : {-0.3, 0.0, 0.3})
     add_dart(-half - 0.5 * front_bend_width_, front_bend_width_, along);

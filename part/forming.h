@@ -8,8 +8,12 @@
 
 namespace trueblade {
 
-// Width of the beads' ramps.
+// Widths of the ramps of beads and darts.
 inline constexpr double kRampToPanel = 0.12;
+inline constexpr double kRampToBend = 0.4;
+
+// Length of sheet that a bend takes at the end of the part where it turns most.
+double bend_width_mm(const FormedPartParameters& parameters, double bend_deg);
 
 class Forming {
  public:

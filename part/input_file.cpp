@@ -26,11 +26,15 @@ std::string read_file_bytes(const std::filesystem::path& file) {
   return bytes;
 }
 
-std::string lower_case_ending(const std::filesystem::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
+  return lower;
+}
+
+std::string lower_case_ending(const std::filesystem::path& file) {
+  return lower_case(file.extension().string());
 }
 
 namespace {

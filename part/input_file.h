@@ -19,6 +19,8 @@ std::string read_file_bytes(const std::filesystem::path& file);
 // The ending in lower case, with its dot: ".stp".
 std::string lower_case_ending(const std::filesystem::path& file);
 
+std::string lower_case(std::string_view text);
+
 // The whole token as a number (a leading '+' is allowed); nullopt when it is none or out of range. "nan" and
 // "inf" are numbers here: the caller knows which error they deserve.
 std::optional<double> parse_number(std::string_view token);

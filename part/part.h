@@ -26,11 +26,13 @@ struct Part {
   // parameters (u, v) of its three corners, from which a projection onto the exact surface starts.
   std::shared_ptr<const ExactSurfaces> exact;
   std::vector<std::array<Vec2, 3>> facet_parameters;
+  double chord_tolerance_mm = 0.0;  // that the facets keep; 0 when there are no exact surfaces
 };
 
 struct PartOptions {
-  std::optional<LengthUnit>
-      unit;  // required for STL, PLY and OBJ, refused for STEP and IGES (they carry their own)
+  // Required for STL, PLY and OBJ (a PLY may state it by a comment "unit mm"), refused for STEP and IGES,
+  // which carry their own.
+  std::optional<LengthUnit> unit;
   FacetingOptions faceting;
 };
 

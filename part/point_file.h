@@ -23,13 +23,8 @@ PointFile read_ply_points(const std::filesystem::path& file);
 PointFile read_pcd_points(const std::filesystem::path& file);
 PointFile read_point_table(const std::filesystem::path& file);
 
-// The unit that a comment "unit mm" states.
-std::optional<LengthUnit> unit_in_comment(std::string_view comment);
-
 // True for the column names that mean SNR: "snr", and "scalar_snr" as CloudCompare writes it, in either case.
 bool names_snr(std::string_view column);
-
-std::string lower_case(std::string_view text);
 
 // What is wrong with a point or an SNR; nullopt: nothing.
 std::optional<std::string> defect_of(const Vec3& point, std::optional<double> snr);

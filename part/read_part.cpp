@@ -15,21 +15,15 @@ Part read_cad(const std::filesystem::path& file, const PartOptions& options, Cad
   return part_from_cad_facets(file.stem().string(), read_cad_facets(file, format, options.faceting));
 }
 
-LengthUnit required_unit(const std::filesystem::path& file, const PartOptions& options) {
-  if (!options.unit)
-    throw file_error(file.string(), "unit is missing: the file carries none; give mm, cm, m, in or um");
-  return *options.unit;
-}
-
 }  // namespace
 
 Part read_part(const std::filesystem::path& file, const PartOptions& options) {
   const std::string ending = lower_case_ending(file);
   if (ending == ".stp" || ending == ".step") return read_cad(file, options, CadFormat::step);
   if (ending == ".igs" || ending == ".iges") return read_cad(file, options, CadFormat::iges);
-  if (ending == ".stl") return read_stl(file, required_unit(file, options));
-  if (ending == ".ply") return read_ply_mesh(file, required_unit(file, options));
-  if (ending == ".obj") return read_obj(file, required_unit(file, options));
+  if (ending == ".stl") return read_stl(file, settled_unit(file, options.unit, std::nullopt));
+  if (ending == ".ply") return read_ply_mesh(file, options.unit);
+  if (ending == ".obj") return read_obj(file, settled_unit(file, options.unit, std::nullopt));
   throw file_error(file.string(),
                    "ending " + in_quotes(ending) +
                        " is no part format, must be .step, .stp, .iges, .igs, .stl, .ply or .obj");

@@ -9,7 +9,11 @@ namespace trueblade {
 
 namespace {
 
-std::vector<Vec3> nodes_mm(const PlyFile& ply, LengthUnit unit) {
+std::vector<Vec3> nodes_mm(const PlyFile& ply, std::optional<LengthUnit> unit) {
+  std::optional<LengthUnit> stated;
+  for (const std::string& comment : ply.comments)
+    if (const auto found = unit_in_comment(comment)) stated = found;
+  const double mm_per_unit = millimetres_per(settled_unit(ply.path, unit, stated));
   const PlyElement* vertex = ply.find("vertex");
   if (!vertex) throw file_error(ply.path.string(), "has no element vertex");
   const auto& x = required_scalar(ply, *vertex, "x").values;
@@ -17,7 +21,7 @@ std::vector<Vec3> nodes_mm(const PlyFile& ply, LengthUnit unit) {
   const auto& z = required_scalar(ply, *vertex, "z").values;
   std::vector<Vec3> nodes(vertex->rows);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    nodes[i] = millimetres_per(unit) * Vec3(x[i], y[i], z[i]);
+    nodes[i] = mm_per_unit * Vec3(x[i], y[i], z[i]);
     if (!nodes[i].allFinite()) throw ply.row_error(*vertex, i, "a coordinate is not finite");
   }
   return nodes;
@@ -31,7 +35,7 @@ const PlyProperty& node_lists(const PlyFile& ply, const PlyElement& face) {
 
 }  // namespace
 
-Part read_ply_mesh(const std::filesystem::path& file, LengthUnit unit) {
+Part read_ply_mesh(const std::filesystem::path& file, std::optional<LengthUnit> unit) {
   const PlyFile ply = read_ply(file);
   FacetSoup soup;
   soup.nodes_mm = nodes_mm(ply, unit);

@@ -1,29 +1,11 @@
 #include "part/read_points.h"
 
-#include <algorithm>
-#include <cctype>
-#include <cmath>
-
 #include "geometry/error.h"
 #include "part/input_file.h"
 #include "part/ply.h"
 #include "part/point_file.h"
 
 namespace trueblade {
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
-std::optional<LengthUnit> unit_in_comment(std::string_view comment) {
-  std::vector<std::string_view> words;
-  split_fields(comment, words);
-  if (words.size() != 2 || lower_case(words[0]) != "unit") return std::nullopt;
-  return parse_length_unit(std::string(words[1]));
-}
 
 bool names_snr(std::string_view column) {
   const std::string name = lower_case(column);
@@ -74,11 +56,7 @@ PointFile read_by_ending(const std::filesystem::path& file) {
 ScanPoints read_points(const std::filesystem::path& file, std::optional<LengthUnit> unit) {
   PointFile points = read_by_ending(file);
   if (points.points.empty()) throw file_error(file.string(), "has no points");
-  if (!unit && !points.unit)
-    throw file_error(file.string(), "unit is missing: the file carries none; give mm, cm, m, in or um");
-  if (unit && points.unit && unit != points.unit)
-    throw file_error(file.string(), "unit given is not the one that the file states");
-  const double mm_per_unit = millimetres_per(unit ? *unit : *points.unit);
+  const double mm_per_unit = millimetres_per(settled_unit(file, unit, points.unit));
   for (Vec3& point : points.points) point *= mm_per_unit;
   return {std::move(points.points), std::move(points.snr)};
 }

@@ -27,8 +27,9 @@ std::size_t TrimmedRegion::band_of(double v) const {
 }
 
 bool TrimmedRegion::contains(const Vec2& uv) const {
-  if (bands_.empty() || (uv.array() < lower_.array()).any() || (uv.array() > upper_.array()).any())
-    return false;
+  // Written so that NaN is outside, too.
+  const bool in_box = (uv.array() >= lower_.array()).all() && (uv.array() <= upper_.array()).all();
+  if (bands_.empty() || !in_box) return false;
   bool inside = false;
   for (const auto& [from, to] : bands_[band_of(uv.y())]) {
     if ((from.y() > uv.y()) == (to.y() > uv.y())) continue;

@@ -6,6 +6,7 @@
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
+#include "registration/exact_foot.h"
 
 namespace trueblade {
 namespace {
@@ -15,11 +16,6 @@ constexpr std::size_t kBlock = 1024;
 // Nearer than this the direction point - closest is rounding: at coordinates of 100 mm the two differ by
 // about 1e-14 mm of rounding, so that the direction is right to 1e-8 rad at this distance.
 constexpr double kDirectionDistance_mm = 1e-6;
-
-Vec3 distance_gradient(const FacetModel& model, const Vec3& point, const ClosestPoint& closest) {
-  if (closest.distance_mm > kDirectionDistance_mm) return (point - closest.point_mm) / closest.distance_mm;
-  return model.facet_normal(closest.facet);
-}
 
 std::vector<bool> selected_surfaces(const Part& part, const std::vector<std::uint32_t>& ids) {
   if (ids.empty()) return {};
@@ -49,10 +45,11 @@ Vec6 StepFrame::unscaled(const Vec6& step) const {
 
 CorrespondenceFinder::CorrespondenceFinder(const RegistrationTarget& target,
                                            const RegistrationOptions& options,
-                                           const std::vector<Vec3>& position_mcs_mm)
+                                           const std::vector<Vec3>& position_mcs_mm, bool exact)
     : target_(target),
       options_(options),
       position_mcs_mm_(position_mcs_mm),
+      exact_(exact),
       surface_selected_(selected_surfaces(target.part(), options.surfaces)) {
   if (options.closest_point.cache == CorrespondenceCache::certified)
     certified_.resize(position_mcs_mm.size());
@@ -67,18 +64,14 @@ void CorrespondenceFinder::find(const RigidTransform& part_from_mcs, const StepF
   result.distance_mm.resize(n);
   result.jacobian.resize(6, static_cast<Eigen::Index>(n));
   result.eligible.resize(n);
+  result.is_exact.resize(n);
   if (options_.rejection.boundary == BoundaryPolicy::reject)
     target_.pseudo_normals();  // built before the loop
   std::vector<ClosestPointWork> work((n + kBlock - 1) / kBlock);
   parallel_for_blocks(n, kBlock, [&](std::size_t begin, std::size_t end) {
     find_block(part_from_mcs, begin, end, result, work[begin / kBlock]);
   });
-  for (const ClosestPointWork& part : work) {
-    work_.queries += part.queries;
-    work_.cache_hits += part.cache_hits;
-    work_.facets_tested += part.facets_tested;
-    work_.boxes_tested += part.boxes_tested;
-  }
+  for (const ClosestPointWork& part : work) work_ += part;
 }
 
 void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::size_t begin, std::size_t end,
@@ -109,12 +102,21 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
 
   for (std::size_t i = begin; i < end; ++i) {
     const Vec3& x = result.point_part_mm[i];
-    const Vec3 n = distance_gradient(target_.model(), x, result.closest[i]);
-    result.distance_mm[i] = n.dot(x - result.closest[i].point_mm);
+    ClosestPoint& foot = result.closest[i];
+    const auto exact = exact_ ? exact_foot(target_.part(), foot, x) : std::nullopt;
+    if (exact) {
+      foot.point_mm = exact->point_mm;
+      foot.distance_mm = (x - foot.point_mm).norm();
+    }
+    result.is_exact[i] = exact.has_value();
+    const Vec3 n = foot.distance_mm > kDirectionDistance_mm ? Vec3((x - foot.point_mm) / foot.distance_mm)
+                   : exact                                  ? exact->normal
+                                                            : target_.model().facet_normal(foot.facet);
+    result.distance_mm[i] = n.dot(x - foot.point_mm);
     auto column = result.jacobian.col(static_cast<Eigen::Index>(i));
     column.head<3>() = (x - result.frame.pivot_part_mm).cross(n) / result.frame.radius_mm;
     column.tail<3>() = n;
-    result.eligible[i] = is_eligible(result.closest[i]);
+    result.eligible[i] = is_eligible(foot);
   }
 }
 

@@ -35,15 +35,27 @@ struct Correspondences {
   Jacobian jacobian;                   // one column per point, scaled
   std::vector<std::uint8_t> eligible;  // 0: not on a selected surface, or on a rejected rim
 
+  std::vector<std::uint8_t> is_exact;  // 1: the closest point lies on the CAD surface, not on the facet
+
   std::size_t size() const { return closest.size(); }
 };
+
+inline ClosestPointWork& operator+=(ClosestPointWork& sum, const ClosestPointWork& part) {
+  sum.queries += part.queries;
+  sum.cache_hits += part.cache_hits;
+  sum.facets_tested += part.facets_tested;
+  sum.boxes_tested += part.boxes_tested;
+  return sum;
+}
 
 // Finds the correspondences of one working scan, pose after pose; keeps the caches between calls.
 class CorrespondenceFinder {
  public:
-  // Keeps references. Throws InputError naming the valid ids when a selected surface does not exist.
+  // Keeps references. With `exact`, the foot point on the CAD surface takes the place of the closest point on
+  // its facet wherever there is one. Throws InputError naming the valid ids when a selected surface does not
+  // exist.
   CorrespondenceFinder(const RegistrationTarget& target, const RegistrationOptions& options,
-                       const std::vector<Vec3>& position_mcs_mm);
+                       const std::vector<Vec3>& position_mcs_mm, bool exact);
 
   void find(const RigidTransform& part_from_mcs, const StepFrame& frame, Correspondences& result);
 
@@ -57,6 +69,7 @@ class CorrespondenceFinder {
   const RegistrationTarget& target_;
   const RegistrationOptions& options_;
   const std::vector<Vec3>& position_mcs_mm_;
+  bool exact_;
   std::vector<bool> surface_selected_;  // empty: all
   std::vector<CertifiedCache> certified_;
   ClosestPointWork work_;

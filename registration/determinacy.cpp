@@ -4,7 +4,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
+
+#include "registration/smooth_normal.h"
 
 namespace trueblade {
 namespace {
@@ -52,19 +55,53 @@ std::string words_for(const Vec6& scaled, const StepFrame& frame) {
 
 }  // namespace
 
-Determinacy split_directions(const Mat6& information_per_weight, const FreeDirections& free,
-                             double least_information) {
+SurfaceInformation surface_information(const FacetModel& model, const Correspondences& correspondences,
+                                       std::span<const double> weights) {
+  constexpr std::size_t kPoints = 500;
+  const StepFrame& frame = correspondences.frame;
+  const std::size_t stride = std::max<std::size_t>(1, correspondences.size() / kPoints);
+  SurfaceInformation result;
+  double count = 0.0, tilt_squares = 0.0;
+  for (std::size_t i = stride / 2; i < correspondences.size(); i += stride) {
+    if (weights[i] == 0.0) continue;
+    Vec6 j = correspondences.jacobian.col(static_cast<Eigen::Index>(i));
+    if (!correspondences.is_exact[i]) {
+      const ClosestPoint& closest = correspondences.closest[i];
+      const Vec3 normal = smooth_normal(model, closest.facet, closest.point_mm);
+      tilt_squares += (normal - model.facet_normal(closest.facet)).squaredNorm();
+      j << (closest.point_mm - frame.pivot_part_mm).cross(normal) / frame.radius_mm, normal;
+    }
+    result.per_point += j * j.transpose();
+    count += 1.0;
+  }
+  if (count == 0.0) return result;
+  result.per_point /= count;
+  result.least = std::max(result.least, (tilt_squares / count) * (tilt_squares / count));
+  return result;
+}
+
+Determinacy split_directions(const SurfaceInformation& information, const FreeDirections& free,
+                             Eigen::Index frozen) {
   Determinacy result;
   if (free.cols() == 0) return result;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      Eigen::MatrixXd(free.transpose() * information_per_weight * free));
-  Eigen::Index undetermined = 0;  // eigenvalues ascend
-  while (undetermined < free.cols() && !(eigen.eigenvalues()[undetermined] > least_information))
+      Eigen::MatrixXd(free.transpose() * information.per_point * free));
+  Eigen::Index undetermined = std::min(frozen, free.cols());  // eigenvalues ascend
+  while (undetermined < free.cols() && !(eigen.eigenvalues()[undetermined] > information.least))
     ++undetermined;
   const Eigen::MatrixXd directions = free * eigen.eigenvectors();
   result.undetermined = translations_first(directions.leftCols(undetermined));
   result.determined = directions.rightCols(free.cols() - undetermined);
   return result;
+}
+
+Eigen::Index weakly_determined(const Mat6& covariance_scaled, const FreeDirections& determined,
+                               double radius_mm) {
+  if (determined.cols() == 0) return 0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+      Eigen::MatrixXd(determined.transpose() * covariance_scaled * determined), Eigen::EigenvaluesOnly);
+  const double limit = 0.01 * radius_mm;
+  return (eigen.eigenvalues().array() > limit * limit).count();
 }
 
 std::vector<UndeterminedDirection> describe_undetermined(const FreeDirections& undetermined,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "registration/acceleration.h"
 #include "registration/closed_form.h"
 #include "registration/determinacy.h"
 
@@ -11,30 +12,22 @@ namespace {
 
 constexpr int kHalvings = 10;  // a step a thousand times shorter than Gauss-Newton's leads nowhere
 
-// A step that has been taken but not yet judged.
+// A step that was taken and is judged at the next look.
 struct Trial {
   RigidTransform from;
-  RigidTransform plain;  // where the step leads without acceleration
-  Vec6 step_scaled;      // of the plain step
+  RigidTransform to;  // where the step leads without acceleration
+  Vec6 step_scaled;   // from -> to
   StepFrame frame;
   std::vector<double> weights;  // of the correspondences that the step was computed from
-  double objective;             // sum w d^2 that the new pose must not exceed
-  bool accelerated;
+  double objective_mm2;  // sum w d^2 that must not be exceeded: at `from`; for an accelerated pose, at `to`
+  double rms_after_mm;   // of the linear model or of the point pairs, at `to`
+  bool accelerated = false;
   int halvings = 0;
 };
 
-StepFrame frame_at(const RigidTransform& part_from_mcs, const ScanExtent& extent) {
-  return {part_from_mcs * extent.centroid_mcs_mm, extent.radius_mm};
-}
-
-double largest_motion_mm(const Vec6& step_scaled, const ScanExtent& extent) {
-  return step_scaled.tail<3>().norm() +
-         step_scaled.head<3>().norm() * extent.maximum_radius_mm / extent.radius_mm;
-}
-
-double weighted_squares(std::span<const double> distance, std::span<const double> weights) {
+double weighted_squares(std::span<const double> distance_mm, std::span<const double> weights) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < distance.size(); ++i) sum += weights[i] * distance[i] * distance[i];
+  for (std::size_t i = 0; i < distance_mm.size(); ++i) sum += weights[i] * distance_mm[i] * distance_mm[i];
   return sum;
 }
 
@@ -48,158 +41,226 @@ double rms_of_eligible(const Correspondences& c) {
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
-// The pose of the closed form for the selected point pairs; none when they lie on one line.
-std::optional<RigidTransform> closed_form_pose(const RegistrationProblem& problem, const WorkingScan& scan,
-                                               const Iterations& state) {
-  std::vector<Vec3> nominal(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i) nominal[i] = state.correspondences.closest[i].point_mm;
-  const bool quaternion = problem.options.step.method == StepMethod::unit_quaternion;
-  try {
-    return quaternion ? absolute_orientation_by_quaternion(scan.position_mcs_mm, nominal, state.weights)
-                      : absolute_orientation_by_svd(scan.position_mcs_mm, nominal, state.weights);
-  } catch (const InputError&) {
-    return std::nullopt;
+class Iteration {
+ public:
+  Iteration(const RegistrationProblem& problem, const WorkingScan& scan, bool exact, RegistrationState& state)
+      : problem_(problem),
+        options_(problem.options),
+        scan_(scan),
+        state_(state),
+        finder_(problem.target, problem.options, scan.position_mcs_mm, exact),
+        accelerator_(problem.options.acceleration, problem.extent.centroid_mcs_mm, problem.extent.radius_mm) {
   }
-}
 
-double pair_squares(const WorkingScan& scan, const Iterations& state, const RigidTransform& pose) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < scan.size(); ++i)
-    if (state.weights[i] > 0.0)
-      sum += state.weights[i] *
-             (pose * scan.position_mcs_mm[i] - state.correspondences.closest[i].point_mm).squaredNorm();
-  return sum;
-}
+  std::optional<Termination> run(IterationGoal goal) {
+    look();
+    while (true) {
+      if (rose_since_the_last_step()) {
+        if (state_.iterations >= options_.termination.maximum_iterations)
+          return stop(Termination::iteration_limit);
+        if (!retreat()) return stop(Termination::no_descent);
+        look();
+        continue;
+      }
+      const std::optional<Trial> step = next_step();
+      if (!step) return Termination::too_few_correspondences;
+      record(*step);
+      if (state_.iterations >= options_.termination.maximum_iterations) return Termination::iteration_limit;
+      const auto reason = reason_to_stop(*step);
+      const bool near = goal == IterationGoal::near_the_minimum && largest_motion_mm(*step) <= near_mm();
+      if ((reason || near) && !more_is_undetermined()) {
+        state_.part_from_mcs = step->to;  // by the criterion it hardly differs
+        return reason;
+      }
+      take(*step);
+      look();
+    }
+  }
 
-// Falls back from a trial that raised the objective; false when there is nothing left to try.
-bool retreat(const RegistrationProblem& problem, Trial& trial, Accelerator& accelerator,
-             RigidTransform& pose) {
-  if (trial.accelerated) {
-    trial.accelerated = false;
-    accelerator.forget();
-    pose = trial.plain;
+  const ClosestPointWork& work() const { return finder_.work(); }
+
+ private:
+  void look() {
+    finder_.find(state_.part_from_mcs,
+                 {state_.part_from_mcs * problem_.extent.centroid_mcs_mm, problem_.extent.radius_mm},
+                 correspondences());
+    state_.base.resize(scan_.size());
+    state_.weights.resize(scan_.size());
+    for (std::size_t i = 0; i < scan_.size(); ++i)
+      state_.base[i] = correspondences().eligible[i] ? scan_.weight[i] : 0.0;
+    if (state_.trace.empty()) state_.first_rms_mm = rms_of_eligible(correspondences());
+  }
+
+  // Step control. Rounding may raise an objective that is at its minimum already.
+  bool rose_since_the_last_step() const {
+    if (!trial_ || !(trial_->accelerated || options_.step.control)) return false;
+    const double rounding = problem_.floor_mm * problem_.floor_mm * static_cast<double>(scan_.size());
+    return weighted_squares(state_.correspondences.distance_mm, trial_->weights) >
+           trial_->objective_mm2 * (1.0 + 1e-12) + rounding;
+  }
+
+  // Back to the plain step, or to half of it.
+  bool retreat() {
+    ++state_.iterations;
+    if (trial_->accelerated) {
+      trial_->accelerated = false;
+      trial_->objective_mm2 = weighted_squares_at_from_;
+      accelerator_.forget();
+      state_.part_from_mcs = trial_->to;
+      return true;
+    }
+    if (++trial_->halvings > kHalvings) return false;
+    const double fraction = std::ldexp(1.0, -trial_->halvings);
+    state_.part_from_mcs = problem_.motion.moved(trial_->from, fraction * trial_->step_scaled, trial_->frame);
     return true;
   }
-  if (++trial.halvings > kHalvings) {
-    pose = trial.from;
-    return false;
-  }
-  pose = problem.motion.moved(trial.from, std::ldexp(1.0, -trial.halvings) * trial.step_scaled, trial.frame);
-  return true;
-}
 
-void weigh(const WorkingScan& scan, Iterations& state) {
-  state.base.resize(scan.size());
-  for (std::size_t i = 0; i < scan.size(); ++i)
-    state.base[i] = state.correspondences.eligible[i] ? scan.weight[i] : 0.0;
-  state.weights.resize(scan.size());
-}
+  // Back where the last step began, with everything known there.
+  Termination stop(Termination termination) {
+    state_.part_from_mcs = trial_->from;
+    look();
+    next_step();
+    return termination;
+  }
+
+  // The directions that may move. The scan is asked at the first look and, if it determines everything there,
+  // again only before the end.
+  void split_directions_here() {
+    const FreeDirections free = problem_.motion.directions(state_.part_from_mcs, correspondences().frame);
+    if (asked_ && all_determined_) {
+      state_.determined = free;
+      return;
+    }
+    const SurfaceInformation information =
+        surface_information(problem_.target.model(), correspondences(), state_.base);
+    const Determinacy determinacy = split_directions(information, free, problem_.frozen);
+    state_.determined = determinacy.determined;
+    state_.undetermined = determinacy.undetermined;
+    asked_ = true;
+    all_determined_ = determinacy.undetermined.cols() == 0;
+  }
+
+  bool more_is_undetermined() {
+    if (!all_determined_) return false;
+    asked_ = false;
+    split_directions_here();
+    return !all_determined_;
+  }
+
+  std::optional<Trial> next_step() {
+    split_directions_here();
+    state_.fit = fit_step(correspondences(), state_.base, options_.rejection, state_.determined,
+                          problem_.floor_mm, state_.weights);
+    const NormalEquations& equations = state_.fit.equations;
+    if (equations.count < std::max<std::size_t>(3, static_cast<std::size_t>(state_.determined.cols())))
+      return std::nullopt;
+    weighted_squares_at_from_ = equations.weighted_squares;
+    Trial trial;
+    trial.from = state_.part_from_mcs;
+    trial.frame = correspondences().frame;
+    trial.weights = state_.weights;
+    trial.objective_mm2 = equations.weighted_squares;
+    return options_.step.method == StepMethod::point_to_plane ? plane_step(trial) : closed_form_step(trial);
+  }
+
+  std::optional<Trial> plane_step(Trial& trial) const {
+    const NormalEquations& equations = state_.fit.equations;
+    trial.step_scaled = state_.fit.step_scaled;
+    trial.to = problem_.motion.moved(trial.from, trial.step_scaled, trial.frame);
+    const double predicted =
+        equations.weighted_squares +
+        trial.step_scaled.dot(2.0 * equations.gradient + equations.hessian * trial.step_scaled);
+    trial.rms_after_mm = std::sqrt(std::max(0.0, predicted) / equations.weight);
+    return trial;
+  }
+
+  std::optional<Trial> closed_form_step(Trial& trial) const {
+    std::vector<Vec3> nominal(scan_.size());
+    for (std::size_t i = 0; i < scan_.size(); ++i) nominal[i] = state_.correspondences.closest[i].point_mm;
+    try {
+      trial.to = options_.step.method == StepMethod::unit_quaternion
+                     ? absolute_orientation_by_quaternion(scan_.position_mcs_mm, nominal, state_.weights)
+                     : absolute_orientation_by_svd(scan_.position_mcs_mm, nominal, state_.weights);
+    } catch (const InputError&) {  // the points that are left lie on one line
+      return std::nullopt;
+    }
+    trial.step_scaled = trial.frame.scaled(step_between(trial.from, trial.to, trial.frame.pivot_part_mm));
+    if (state_.undetermined.cols() > 0) {  // the point pairs hold every point where it is: no motion there
+      trial.step_scaled = state_.determined * (state_.determined.transpose() * trial.step_scaled);
+      trial.to = problem_.motion.moved(trial.from, trial.step_scaled, trial.frame);
+    }
+    double squares = 0.0;
+    for (std::size_t i = 0; i < scan_.size(); ++i)
+      squares += state_.weights[i] * (trial.to * scan_.position_mcs_mm[i] - nominal[i]).squaredNorm();
+    trial.rms_after_mm = std::sqrt(squares / state_.fit.equations.weight);
+    return trial;
+  }
+
+  void record(const Trial& step) {
+    const Vec6 unscaled = step.frame.unscaled(step.step_scaled);
+    state_.trace.push_back({step.from, state_.fit.equations.weighted_rms_mm(), state_.fit.equations.count,
+                            unscaled.head<3>().norm(), unscaled.tail<3>().norm(),
+                            trial_ && trial_->accelerated});
+    ++state_.iterations;
+  }
+
+  double largest_motion_mm(const Trial& step) const {
+    return step.step_scaled.tail<3>().norm() +
+           step.step_scaled.head<3>().norm() * problem_.extent.maximum_radius_mm / problem_.extent.radius_mm;
+  }
+  double near_mm() const { return options_.sampling.until_step_sigma * state_.fit.scale.sigma_mm; }
+
+  // sqrt(step' H step / (6 sigma^2)), H per unit of mean weight.
+  double statistical_length(const Trial& step) const {
+    const NormalEquations& equations = state_.fit.equations;
+    const double mean_weight = equations.weight / static_cast<double>(equations.count);
+    const double sigma = state_.fit.scale.sigma_mm;
+    return std::sqrt(step.step_scaled.dot(equations.hessian * step.step_scaled) / mean_weight / 6.0) / sigma;
+  }
+
+  std::optional<Termination> reason_to_stop(const Trial& step) {
+    const TerminationOptions& limits = options_.termination;
+    const double rms_mm = state_.fit.equations.weighted_rms_mm();
+    const auto previous_rms_mm = std::exchange(previous_rms_mm_, rms_mm);
+    if (limits.statistical_step > 0.0 && statistical_length(step) < limits.statistical_step)
+      return Termination::converged_statistically;
+    if (limits.rms_change_mm > 0.0 && previous_rms_mm &&
+        std::abs(*previous_rms_mm - rms_mm) < limits.rms_change_mm)
+      return Termination::converged_rms;
+    if (limits.step_mm > 0.0 && largest_motion_mm(step) <= limits.step_mm) return Termination::converged_step;
+    return std::nullopt;
+  }
+
+  void take(const Trial& step) {
+    trial_ = step;
+    const auto further = accelerator_.propose(step.from, step.to, step.rms_after_mm);
+    state_.part_from_mcs = further.value_or(step.to);
+    trial_->accelerated = further.has_value();
+    if (further) trial_->objective_mm2 = step.rms_after_mm * step.rms_after_mm * state_.fit.equations.weight;
+  }
+
+  Correspondences& correspondences() { return state_.correspondences; }
+
+  const RegistrationProblem& problem_;
+  const RegistrationOptions& options_;
+  const WorkingScan& scan_;
+  RegistrationState& state_;
+  CorrespondenceFinder finder_;
+  Accelerator accelerator_;
+  std::optional<Trial> trial_;
+  std::optional<double> previous_rms_mm_;
+  double weighted_squares_at_from_ = 0.0;
+  bool asked_ = false, all_determined_ = false;
+};
 
 }  // namespace
 
-std::optional<Termination> iterate(const RegistrationProblem& problem, const WorkingScan& scan, bool rough,
-                                   Iterations& state) {
-  const RegistrationOptions& options = problem.options;
-  const bool closed_form = options.step.method != StepMethod::point_to_plane;
-  CorrespondenceFinder finder(problem.target, options, scan.position_mcs_mm);
-  Accelerator accelerator(options.acceleration, problem.extent.centroid_mcs_mm, problem.extent.radius_mm);
-  std::optional<Trial> trial;
-  std::optional<double> previous_rms;
-  std::optional<Termination> outcome;
-  Correspondences& c = state.correspondences;
-
-  while (true) {
-    const StepFrame frame = frame_at(state.part_from_mcs, problem.extent);
-    finder.find(state.part_from_mcs, frame, c);
-    ++state.iterations;
-    if (state.iterations == 1) state.first_rms_mm = rms_of_eligible(c);
-    const bool at_limit = state.iterations > options.termination.maximum_iterations;
-
-    if (trial && (trial->accelerated || options.step.control) && !at_limit) {
-      const double rounding = problem.floor_mm * problem.floor_mm * static_cast<double>(scan.size());
-      if (weighted_squares(c.distance_mm, trial->weights) > trial->objective * (1.0 + 1e-12) + rounding) {
-        if (retreat(problem, *trial, accelerator, state.part_from_mcs)) continue;
-        outcome = Termination::no_descent;
-      }
-    }
-
-    weigh(scan, state);
-    const FreeDirections free = problem.motion.directions(state.part_from_mcs, frame);
-    const NormalEquations all = normal_equations(c, state.base);
-    const Determinacy determinacy = split_directions(all.hessian / std::max(all.weight, 1e-300), free, 1e-9);
-    state.determined = determinacy.determined;
-    state.undetermined = determinacy.undetermined;
-
-    state.fit = fit_step(c, state.base, options.rejection, state.determined, problem.floor_mm, state.weights);
-    const NormalEquations& equations = state.fit.equations;
-    if (equations.count < std::max<std::size_t>(3, static_cast<std::size_t>(state.determined.cols())))
-      outcome = Termination::too_few_correspondences;
-
-    Trial next{state.part_from_mcs,
-               state.part_from_mcs,
-               state.fit.step_scaled,
-               frame,
-               state.weights,
-               equations.weighted_squares,
-               false};
-    double rms_after = 0.0;
-    if (!outcome && closed_form) {
-      const auto pose = closed_form_pose(problem, scan, state);
-      if (pose) {
-        next.plain = *pose;
-        next.step_scaled = frame.scaled(step_between(state.part_from_mcs, *pose, frame.pivot_part_mm));
-        next.objective = pair_squares(scan, state, *pose);
-        rms_after = std::sqrt(next.objective / equations.weight);
-      } else {
-        outcome = Termination::too_few_correspondences;
-      }
-    } else if (!outcome) {
-      next.plain = problem.motion.moved(state.part_from_mcs, next.step_scaled, frame);
-      const double predicted =
-          equations.weighted_squares +
-          next.step_scaled.dot(2.0 * equations.gradient + equations.hessian * next.step_scaled);
-      rms_after = std::sqrt(std::max(0.0, predicted) / equations.weight);
-    }
-    if (at_limit && !outcome) outcome = Termination::iteration_limit;
-
-    const Vec6 step = frame.unscaled(next.step_scaled);
-    state.trace.push_back({state.part_from_mcs, equations.weighted_rms_mm(), equations.count,
-                           step.head<3>().norm(), step.tail<3>().norm(), trial && trial->accelerated});
-    if (outcome) break;
-
-    // Why stop here? The step is still taken: by the criterion it is negligible.
-    const double motion_mm = largest_motion_mm(next.step_scaled, problem.extent);
-    const double rms = equations.weighted_rms_mm();
-    const double variance = state.fit.scale.sigma_mm * state.fit.scale.sigma_mm;
-    const double statistical =
-        std::sqrt(next.step_scaled.dot(equations.hessian * next.step_scaled) *
-                  static_cast<double>(equations.count) / equations.weight / (6.0 * variance));
-    const TerminationOptions& limits = options.termination;
-    bool done = rough && motion_mm <= options.sampling.until_step_sigma * state.fit.scale.sigma_mm;
-    if (limits.statistical_step > 0.0 && statistical < limits.statistical_step)
-      outcome = Termination::converged_statistically;
-    else if (limits.rms_change_mm > 0.0 && previous_rms &&
-             std::abs(*previous_rms - rms) < limits.rms_change_mm)
-      outcome = Termination::converged_rms;
-    else if (limits.step_mm > 0.0 && motion_mm <= limits.step_mm)
-      outcome = Termination::converged_step;
-    if (outcome || done) {
-      state.part_from_mcs = next.plain;
-      break;
-    }
-
-    previous_rms = rms;
-    const auto further = accelerator.propose(next.from, next.plain, rms_after);
-    next.accelerated = further.has_value();
-    if (next.accelerated && !closed_form) next.objective = rms_after * rms_after * equations.weight;
-    state.part_from_mcs = further.value_or(next.plain);
-    trial = std::move(next);
-  }
-  state.work.queries += finder.work().queries;
-  state.work.cache_hits += finder.work().cache_hits;
-  state.work.facets_tested += finder.work().facets_tested;
-  state.work.boxes_tested += finder.work().boxes_tested;
-  return outcome;
+std::optional<Termination> iterate(const RegistrationProblem& problem, const WorkingScan& scan,
+                                   IterationGoal goal, bool exact, RegistrationState& state) {
+  Iteration iteration(problem, scan, exact, state);
+  const auto termination = iteration.run(goal);
+  state.work += iteration.work();
+  return termination;
 }
 
 }  // namespace trueblade

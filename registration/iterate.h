@@ -1,10 +1,9 @@
 // The iteration of the registration on one set of points: correspondences, rejection, step, acceleration and
-// step control, until a reason to stop.
+// step control, until there is a reason to stop.
 #pragma once
 
 #include <optional>
 
-#include "registration/acceleration.h"
 #include "registration/correspondences.h"
 #include "registration/fit_step.h"
 #include "registration/locked_motion.h"
@@ -19,27 +18,32 @@ struct RegistrationProblem {
   const RegistrationOptions& options;
   LockedMotion motion;
   ScanExtent extent;
-  double floor_mm;  // rounding of a distance
+  double floor_mm;          // rounding of a distance
+  Eigen::Index frozen = 0;  // so many least determined directions are not moved
 };
 
-// One set of points on its way: the pose, and everything known at the pose.
-struct Iterations {
+// A registration on its way: the pose, and everything known at the pose.
+struct RegistrationState {
   RigidTransform part_from_mcs;
   Correspondences correspondences;
   std::vector<double> base;     // weights before rejection, 0 where not eligible
   std::vector<double> weights;  // after it
   StepFit fit;
   FreeDirections determined, undetermined;
-  int iterations = 0;
+  int iterations = 0;  // steps tried
   std::vector<IterationTrace> trace;
   ClosestPointWork work;
   double first_rms_mm = 0.0;  // unweighted, all eligible points, at the first pose
 };
 
-// Moves `state.part_from_mcs` until a termination criterion of the options is met, or, when `rough`, until a
-// step moves no point by more than options.sampling.until_step_sigma. `state.iterations` counts on from its
-// value. With `exact`, the CAD surfaces themselves take the place of the facets.
-std::optional<Termination> iterate(const RegistrationProblem& problem, const WorkingScan& scan, bool rough,
-                                   Iterations& state);
+enum class IterationGoal {
+  near_the_minimum,  // until a step moves no point by more than options.sampling.until_step_sigma
+  termination        // until a criterion of options.termination is met
+};
+
+// Moves `state` from its pose on the points of `scan` until `goal`; the goal itself is no termination. With
+// `exact`, the CAD surfaces take the place of their facets.
+std::optional<Termination> iterate(const RegistrationProblem& problem, const WorkingScan& scan,
+                                   IterationGoal goal, bool exact, RegistrationState& state);
 
 }  // namespace trueblade

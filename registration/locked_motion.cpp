@@ -2,29 +2,10 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
+
+#include "registration/rotation_jacobian.h"
 
 namespace trueblade {
-namespace {
-
-Mat3 cross_matrix(const Vec3& v) {
-  Mat3 m;
-  m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return m;
-}
-
-// Left Jacobian of the rotation group: R(rho + d) = R(J d) R(rho) to first order in d.
-Mat3 rotation_jacobian(const Vec3& rho) {
-  const double angle = rho.norm();
-  const Mat3 k = cross_matrix(rho);
-  // Below 1e-4 the next terms of the series, angle^2/24 and angle^2/120, are 4e-10 and less of the first.
-  const double a = angle < 1e-4 ? 0.5 : (1.0 - std::cos(angle)) / (angle * angle);
-  const double b = angle < 1e-4 ? 1.0 / 6.0 : (angle - std::sin(angle)) / (angle * angle * angle);
-  return Mat3::Identity() + a * k + b * k * k;
-}
-
-}  // namespace
-
 LockedMotion::LockedMotion(const LockOptions& options, const RigidTransform& initial_part_from_mcs)
     : initial_part_from_mcs_(initial_part_from_mcs), part_from_frame_(options.part_from_frame) {
   part_from_frame_.rotation.normalize();

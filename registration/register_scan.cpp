@@ -8,6 +8,7 @@
 
 #include "geometry/error.h"
 #include "registration/covariance.h"
+#include "registration/cross_check.h"
 #include "registration/determinacy.h"
 #include "registration/iterate.h"
 
@@ -38,13 +39,17 @@ void check_near(const FacetModel& model, const ScanExtent& extent, const RigidTr
         gap, size));
 }
 
-void check_selection(const Iterations& state, const RegistrationOptions& options) {
+void check_selection(const RegistrationState& state, const RegistrationOptions& options) {
   if (options.surfaces.empty()) return;
   if (std::count(state.correspondences.eligible.begin(), state.correspondences.eligible.end(), 1) < 3)
     throw InputError("surfaces selects surfaces to which fewer than three scan points are closest");
 }
 
-double unweighted_rms_mm(const Iterations& state) {
+bool uses_exact_surfaces(const RegistrationProblem& problem) {
+  return problem.options.exact_surfaces && problem.target.part().exact;
+}
+
+double unweighted_rms_mm(const RegistrationState& state) {
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < state.weights.size(); ++i)
     if (state.weights[i] > 0.0) {
@@ -72,11 +77,9 @@ Mat6 about_other_pivot(const Mat6& covariance, const Vec3& from, const Vec3& to)
   return change * covariance * change.transpose();
 }
 
-void report_covariance(const RegistrationProblem& problem, const WorkingScan& scan, const Iterations& state,
-                       RegistrationResult& result) {
+void report_covariance(const RegistrationState& state, const WorkingScan& scan,
+                       const PoseCovariance& covariance, RegistrationResult& result) {
   const StepFrame& frame = state.correspondences.frame;
-  const PoseCovariance covariance = pose_covariance(state.correspondences, state.base, state.weights,
-                                                    state.fit.scale, state.determined, problem.options);
   Vec6 unscale;
   unscale << Vec3::Constant(1.0 / frame.radius_mm), Vec3::Ones();
   const Mat6 tangent = unscale.asDiagonal() * covariance.scaled * unscale.asDiagonal();
@@ -87,8 +90,8 @@ void report_covariance(const RegistrationProblem& problem, const WorkingScan& sc
   result.undetermined = describe_undetermined(state.undetermined, frame);
 }
 
-RegistrationResult report(const RegistrationProblem& problem, const WorkingScan& scan, std::size_t scan_size,
-                          const Iterations& state, Termination termination) {
+RegistrationResult report(const WorkingScan& scan, std::size_t scan_size, const RegistrationState& state,
+                          const PoseCovariance& covariance, Termination termination) {
   RegistrationResult result;
   result.part_from_mcs = state.part_from_mcs;
   result.termination = termination;
@@ -105,8 +108,29 @@ RegistrationResult report(const RegistrationProblem& problem, const WorkingScan&
   result.initial_rms_mm = state.first_rms_mm;
   result.weighted_rms_mm = state.fit.equations.weighted_rms_mm();
   result.rms_mm = unweighted_rms_mm(state);
-  report_covariance(problem, scan, state, result);
+  report_covariance(state, scan, covariance, result);
   return result;
+}
+
+CrossCheck cross_check_of(const RegistrationProblem& problem, const WorkingScan& scan,
+                          const RegistrationState& state, const PoseCovariance& covariance) {
+  return cross_check_registration({problem.target, uses_exact_surfaces(problem), scan.position_mcs_mm,
+                                   state.weights, state.part_from_mcs, state.correspondences.frame,
+                                   state.determined, covariance.scaled, state.fit.equations.hessian});
+}
+
+// A subsample near the minimum first, where the scan is large; the facets before the CAD surfaces; then all
+// points on the best surface there is.
+Termination register_from(const RegistrationProblem& problem, const WorkingScan& scan,
+                          RegistrationState& state) {
+  const auto sample = static_cast<std::size_t>(problem.options.sampling.points);
+  const bool sampled = sample > 0 && scan.size() >= 2 * sample;
+  const bool exact = uses_exact_surfaces(problem);
+  if (sampled)
+    iterate(problem, even_subsample(scan, sample), IterationGoal::near_the_minimum, false, state);
+  else if (exact)
+    iterate(problem, scan, IterationGoal::near_the_minimum, false, state);
+  return iterate(problem, scan, IterationGoal::termination, exact, state).value();
 }
 
 }  // namespace
@@ -118,19 +142,26 @@ RegistrationResult register_scan(const RegistrationTarget& target, const ScanPoi
   const WorkingScan all = prepare_scan(scan, options.weights);
   const ScanExtent extent = extent_of(all);
   check_near(target.model(), extent, initial_part_from_mcs);
-  const RegistrationProblem problem{target, options, LockedMotion(options.lock, initial_part_from_mcs),
-                                    extent, rounding_floor_mm(target.model(), extent, initial_part_from_mcs)};
-
-  Iterations state;
-  state.part_from_mcs = initial_part_from_mcs;
-  const auto sample = static_cast<std::size_t>(options.sampling.points);
-  if (sample > 0 && all.size() >= 2 * sample) {
-    iterate(problem, even_subsample(all, sample), true, state);
+  RegistrationProblem problem{target, options, LockedMotion(options.lock, initial_part_from_mcs), extent,
+                              rounding_floor_mm(target.model(), extent, initial_part_from_mcs)};
+  while (true) {
+    RegistrationState state;
+    state.part_from_mcs = initial_part_from_mcs;
+    const Termination termination = register_from(problem, all, state);
     check_selection(state, options);
+    const PoseCovariance covariance = pose_covariance(state.correspondences, state.base, state.weights,
+                                                      state.fit.scale, state.determined, options);
+    const Eigen::Index weak = is_converged(termination)
+                                  ? weakly_determined(covariance.scaled, state.determined, extent.radius_mm)
+                                  : 0;
+    if (weak == 0) {
+      RegistrationResult result = report(all, scan.size(), state, covariance, termination);
+      if (options.cross_check) result.cross_check = cross_check_of(problem, all, state, covariance);
+      return result;
+    }
+    // Known only now, and moved already: once more from the start, without these directions.
+    problem.frozen = state.undetermined.cols() + weak;
   }
-  const Termination termination = iterate(problem, all, false, state).value();
-  check_selection(state, options);
-  return report(problem, all, scan.size(), state, termination);
 }
 
 }  // namespace trueblade

@@ -35,7 +35,7 @@ namespace {
 }  // namespace
 
 ChildResult run_trueblade(const std::vector<std::string>& arguments,
-                          const std::filesystem::path& working_folder, double time_limit_s) {
+                          const std::filesystem::path& working_folder, const ChildOptions& options) {
   const ScratchFolder scratch;
   const std::filesystem::path out = scratch / "out", err = scratch / "err";
   const pid_t child = fork();
@@ -43,9 +43,15 @@ ChildResult run_trueblade(const std::vector<std::string>& arguments,
   if (child == 0) become_trueblade(arguments, working_folder, out, err);
 
   ChildResult result;
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(time_limit_s);
+  const auto deadline =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(options.time_limit_s);
+  bool to_interrupt = !options.interrupt_after.empty();
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
+    if (to_interrupt && text_of(err).find(options.interrupt_after) != std::string::npos) {
+      kill(child, SIGINT);
+      to_interrupt = false;
+    }
     if (std::chrono::steady_clock::now() > deadline) {
       kill(child, SIGKILL);
       waitpid(child, &status, 0);

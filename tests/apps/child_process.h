@@ -15,11 +15,16 @@ struct ChildResult {
   std::string err;
 };
 
+struct ChildOptions {
+  double time_limit_s = 120.0;
+  std::string interrupt_after;  // when these words appear on standard error, Ctrl-C is sent once
+};
+
 // `working_folder` is where the command runs.
 ChildResult run_trueblade(
     const std::vector<std::string>& arguments,
     const std::filesystem::path& working_folder = std::filesystem::temp_directory_path(),
-    double time_limit_s = 120.0);
+    const ChildOptions& options = {});
 
 // A new empty folder, removed with everything in it at the end of the scope.
 class ScratchFolder {

@@ -3,6 +3,10 @@
 #include "registration/register_scan.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <limits>
+#include <numeric>
 
 #include "tests/registration/shapes.h"
 
@@ -59,6 +63,285 @@ TEST(RegisterScan, PublishedClosedFormConvergesToTheSamePoseAsPointToPlane) {
   // Both minimise the same sum of squared distances; the closed form converges linearly and stops at steps of
   // 1e-9 mm, a thousand of them from the minimum at a rate of 0.999.
   EXPECT_LT(difference.centroid_mm, 1e-5) << full_report(a) << full_report(b);
+}
+
+const Vec3 kFront(0.3, 1.0, 0.4);
+
+std::string complaint(const RegistrationTarget& target, const ScanPoints& scan, const RigidTransform& initial,
+                      const RegistrationOptions& options) {
+  try {
+    register_scan(target, scan, initial, options);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(RegisterScan, TwentyPercentGrossOutliersAreFoundAndTheRestKept) {
+  Case c(shapes::blade(48, 44), 2000, kFront, 0.003);
+  Rng rng(3, 0, "outliers");
+  for (std::size_t i = 0; i < c.points.size(); i += 5) {
+    // At least 40 sigma from the surface, to one side mostly, so that a plain fit is pulled away.
+    const double away = 0.12 + 2.0 * rng.uniform();
+    c.scan.position_mcs_mm[i] = c.truth.inverse() * Vec3(c.points[i] + away * kFront.normalized());
+  }
+  const RegistrationTarget target(c.part);
+  const auto result = register_scan(target, c.scan, c.start(1.0, kDegree), preset("default"));
+  EXPECT_TRUE(is_converged(result.termination));
+  const auto error = shapes::pose_error(result.part_from_mcs, c.truth, c.centroid_mcs_mm);
+  EXPECT_LT(error.centroid_mm, 0.002) << full_report(result);  // about six standard uncertainties
+  std::size_t good_kept = 0, bad_kept = 0;
+  for (std::size_t i = 0; i < c.points.size(); ++i) (i % 5 ? good_kept : bad_kept) += result.is_inlier[i];
+  EXPECT_GT(good_kept, 1590U);  // of 1,600; 4 sigma of a scale that is at most 1.3 sigma
+  EXPECT_LT(bad_kept, 40U);     // a point lifted along the view may still lie near another facet
+  EXPECT_EQ(result.inliers, good_kept + bad_kept);
+  EXPECT_EQ(result.inliers + result.outliers, c.scan.size());
+  EXPECT_NEAR(result.sigma_mm, 0.003, 0.0003);
+}
+
+TEST(RegisterScan, ObjectiveNeverRisesFromStepToStep) {
+  const Case c(shapes::blade(48, 44), 1500, kFront, 0.01);
+  const RegistrationTarget target(c.part);
+  for (const RejectionRule rule : {RejectionRule::none, RejectionRule::consistent_cut}) {
+    for (std::uint64_t trial = 0; trial < 8; ++trial) {
+      RegistrationOptions options = preset("default");
+      options.rejection.rule = rule;
+      const auto result = register_scan(target, c.scan, c.start(10.0, 10.0 * kDegree, trial), options);
+      // Without rejection the objective is the mean square itself; with it the trusted points change, but the
+      // RMS of those that take part may still not rise by more than rejection's re-admission of 4 sigma
+      // points.
+      for (std::size_t k = 1; rule == RejectionRule::none && k < result.trace.size(); ++k)
+        EXPECT_LE(result.trace[k].weighted_rms_mm, result.trace[k - 1].weighted_rms_mm * (1.0 + 1e-9)) << k;
+      EXPECT_TRUE(is_converged(result.termination)) << full_report(result);
+    }
+  }
+}
+
+TEST(RegisterScan, HasTheSameBitsOnAnyNumberOfThreads) {
+  const Case c(shapes::blade(48, 44), 9000, kFront, 0.003);
+  const RegistrationTarget target(c.part);
+  for (const std::string_view name : {"default", "zhu2007"}) {
+    RegistrationResult one, many;
+    tbb::task_arena(1).execute(
+        [&] { one = register_scan(target, c.scan, c.start(1.0, kDegree), preset(name)); });
+    tbb::task_arena(4).execute(
+        [&] { many = register_scan(target, c.scan, c.start(1.0, kDegree), preset(name)); });
+    EXPECT_EQ(one.part_from_mcs.rotation.coeffs(), many.part_from_mcs.rotation.coeffs()) << name;
+    EXPECT_EQ(one.part_from_mcs.translation_mm, many.part_from_mcs.translation_mm) << name;
+    EXPECT_EQ(one.covariance, many.covariance) << name;
+    EXPECT_EQ(one.is_inlier, many.is_inlier) << name;
+    EXPECT_EQ(one.iterations, many.iterations) << name;
+  }
+}
+
+// Two paths to one minimum: each stops within 0.02 of the pose's standard uncertainty, 1e-4 mm here.
+TEST(RegisterScan, DoesNotDependOnTheOrderOfThePoints) {
+  const Case c(shapes::blade(48, 44), 2000, kFront, 0.003);
+  ScanPoints reversed = c.scan;
+  std::reverse(reversed.position_mcs_mm.begin(), reversed.position_mcs_mm.end());
+  const RegistrationTarget target(c.part);
+  const auto a = register_scan(target, c.scan, c.start(1.0, kDegree), preset("default"));
+  const auto b = register_scan(target, reversed, c.start(1.0, kDegree), preset("default"));
+  const auto difference = shapes::pose_error(a.part_from_mcs, b.part_from_mcs, c.centroid_mcs_mm);
+  EXPECT_LT(difference.centroid_mm, 1e-9);
+  EXPECT_LT(difference.rotation_rad, 1e-10);
+  EXPECT_TRUE(std::equal(a.is_inlier.begin(), a.is_inlier.end(), b.is_inlier.rbegin()));
+}
+
+TEST(RegisterScan, DoesNotDependOnOriginsTenMetresAway) {
+  const Case c(shapes::blade(48, 44), 2000, kFront, 0.003);
+  const RegistrationTarget target(c.part);
+  const Vec3 far(10000.0, -7000.0, 4000.0);
+  ScanPoints moved = c.scan;
+  for (Vec3& p : moved.position_mcs_mm) p += far;
+  RigidTransform mcs_from_moved;
+  mcs_from_moved.translation_mm = -far;
+  const RigidTransform start = c.start(1.0, kDegree);
+  for (const std::string_view name : {"default", "zhu2007"}) {
+    const auto a = register_scan(target, c.scan, start, preset(name));
+    const auto b = register_scan(target, moved, start * mcs_from_moved, preset(name));
+    const auto difference =
+        shapes::pose_error(a.part_from_mcs * mcs_from_moved, b.part_from_mcs, far + c.centroid_mcs_mm);
+    // Coordinates of 1.3e4 mm are rounded to 2e-12 mm; a rotation of unit precision turns them by as much.
+    EXPECT_LT(difference.centroid_mm, 1e-8) << name;
+    EXPECT_LT(difference.rotation_rad, 1e-10) << name;
+  }
+}
+
+TEST(RegisterScan, RandomRigidMotionsOfTheScanAreUndone) {
+  const Part part = shapes::blade(48, 44);
+  const RegistrationTarget target(part);
+  const auto points = shapes::points_on(part, 800, kFront, 0.0, 1);
+  for (std::uint64_t trial = 0; trial < 10; ++trial) {
+    Rng rng(9, trial, "motions");
+    RigidTransform truth;
+    truth.rotation = rotation_from_vector(3.0 * rng.uniform() * rng.normal_vector().normalized());
+    truth.translation_mm = 500.0 * rng.normal_vector();
+    const ScanPoints scan = shapes::seen_from(truth, points);
+    const RigidTransform start =
+        shapes::displaced(truth, 0.5, 0.5 * kDegree, shapes::centroid_of(points), 5, trial);
+    const auto result = register_scan(target, scan, start, preset("default"));
+    const auto error =
+        shapes::pose_error(result.part_from_mcs, truth, shapes::centroid_of(scan.position_mcs_mm));
+    EXPECT_LT(error.centroid_mm, 1e-7) << full_report(result);
+    EXPECT_LT(error.rotation_rad, 1e-9);
+  }
+}
+
+TEST(RegisterScan, AlignsOnSelectedSurfacesAlone) {
+  // The platform stands 0.5 mm off its nominal place against the airfoil.
+  const Part part = shapes::blade(48, 44);
+  auto points = shapes::points_on(part, 3000, kFront, 0.0, 1);
+  const ClosestPointTree tree(part.model);
+  for (Vec3& p : points)
+    if (part.model.surface_of(tree.query(p).facet) >= 2) p += Vec3(0.5, 0.0, 0.3);
+  const RigidTransform truth = shapes::some_pose();
+  const ScanPoints scan = shapes::seen_from(truth, points);
+  const RegistrationTarget target(part);
+  RegistrationOptions options = preset("default");
+  options.surfaces = {0, 1};
+  options.rejection.rule = RejectionRule::none;
+  const RigidTransform start = shapes::displaced(truth, 0.1, 0.1 * kDegree, shapes::centroid_of(points), 5);
+  const auto airfoil = register_scan(target, scan, start, options);
+  const Vec3 centroid_mcs = shapes::centroid_of(scan.position_mcs_mm);
+  // A few points near the root change sides between platform and airfoil.
+  EXPECT_LT(shapes::pose_error(airfoil.part_from_mcs, truth, centroid_mcs).centroid_mm, 0.01)
+      << full_report(airfoil);
+  options.surfaces.clear();
+  const auto all = register_scan(target, scan, start, options);
+  EXPECT_GT(shapes::pose_error(all.part_from_mcs, truth, centroid_mcs).centroid_mm, 0.05);
+}
+
+TEST(RegisterScan, LockedFreedomsDoNotMoveAndTheRestIsTheirOptimum) {
+  const Case c(shapes::blade(48, 44), 1500, kFront, 0.003);
+  const RegistrationTarget target(c.part);
+  const RigidTransform start = c.start(0.2, 0.2 * kDegree);
+  RegistrationOptions options = preset("default");
+  options.rejection.rule = RejectionRule::none;
+  options.termination.statistical_step = 1e-5;
+  options.lock.freedoms = {Freedom::rotation_y, Freedom::translation_z};
+  options.lock.part_from_frame.rotation = rotation_from_vector(Vec3(0.1, 0.2, 0.3));
+  options.lock.part_from_frame.translation_mm = Vec3(0, 0, 50);
+  const auto locked = register_scan(target, c.scan, start, options);
+  EXPECT_TRUE(is_converged(locked.termination)) << full_report(locked);
+  const RigidTransform motion = options.lock.part_from_frame.inverse() * locked.part_from_mcs *
+                                start.inverse() * options.lock.part_from_frame;
+  EXPECT_NEAR(vector_from_rotation(motion.rotation).y(), 0.0, 1e-14);
+  EXPECT_NEAR(motion.translation_mm.z(), 0.0, 1e-12);  // rounding of coordinates of 100 mm
+  EXPECT_NEAR(locked.covariance.fullPivLu().rank(), 4, 0);
+
+  // Zeroing the locked part of the free solution is worse than the reduced solution.
+  options.lock.freedoms.clear();
+  const auto free = register_scan(target, c.scan, start, options);
+  const RigidTransform frame = options.lock.part_from_frame;
+  RigidTransform zeroed = frame.inverse() * free.part_from_mcs * start.inverse() * frame;
+  Vec3 rotation = vector_from_rotation(zeroed.rotation);
+  rotation.y() = 0.0;
+  zeroed.rotation = rotation_from_vector(rotation);
+  zeroed.translation_mm.z() = 0.0;
+  options.termination.maximum_iterations = 1;
+  const auto at_zeroed = register_scan(target, c.scan, frame * zeroed * frame.inverse() * start, options);
+  EXPECT_LT(locked.rms_mm, at_zeroed.initial_rms_mm * 0.99);
+}
+
+TEST(RegisterScan, CrossCheckByCeresAgrees) {
+  const Case c(shapes::blade(48, 44), 1500, kFront, 0.003);
+  const RegistrationTarget target(c.part);
+  RegistrationOptions options = preset("default");
+  options.cross_check = true;
+  const auto result = register_scan(target, c.scan, c.start(0.5, 0.5 * kDegree), options);
+  ASSERT_TRUE(result.cross_check);
+  EXPECT_TRUE(result.cross_check->agrees) << result.cross_check->summary;
+
+  // A pose that is not the minimum must be found out.
+  options.termination.maximum_iterations = 1;
+  options.rejection.rule = RejectionRule::none;
+  const auto early = register_scan(target, c.scan, c.start(0.5, 0.5 * kDegree), options);
+  ASSERT_TRUE(early.cross_check);
+  EXPECT_FALSE(early.cross_check->agrees) << early.cross_check->summary;
+}
+
+TEST(RegisterScan, SaysWhyItStopped) {
+  const Case c(shapes::blade(48, 44), 800, kFront, 0.003);
+  const RegistrationTarget target(c.part);
+  const RigidTransform start = c.start(0.5, 0.5 * kDegree);
+  RegistrationOptions options = preset("default");
+  options.termination = {100, 0.02, 0.0, 0.0};
+  EXPECT_EQ(register_scan(target, c.scan, start, options).termination, Termination::converged_statistically);
+  options.termination = {100, 0.0, 1e-6, 0.0};
+  EXPECT_EQ(register_scan(target, c.scan, start, options).termination, Termination::converged_rms);
+  options.termination = {100, 0.0, 0.0, 1e-4};
+  EXPECT_EQ(register_scan(target, c.scan, start, options).termination, Termination::converged_step);
+  options.termination = {2, 0.02, 0.0, 0.0};
+  const auto limited = register_scan(target, c.scan, start, options);
+  EXPECT_EQ(limited.termination, Termination::iteration_limit);
+  EXPECT_EQ(limited.iterations, 2);
+  EXPECT_FALSE(is_converged(limited.termination));
+}
+
+TEST(RegisterScan, LowSnrPointsAreDroppedByTheFilter) {
+  Case c(shapes::blade(48, 44), 1000, kFront, 0.0);
+  c.scan.snr.assign(c.scan.size(), 0.9);
+  for (std::size_t i = 0; i < c.scan.size(); i += 4) {
+    c.scan.snr[i] = 0.5;
+    c.scan.position_mcs_mm[i] += Vec3(0.0, 0.2, 0.0);
+  }
+  const RegistrationTarget target(c.part);
+  RegistrationOptions options = preset("default");
+  options.weights.minimum_snr = 0.7;
+  options.rejection.rule = RejectionRule::none;
+  const auto result = register_scan(target, c.scan, c.start(0.3, 0.3 * kDegree), options);
+  EXPECT_LT(shapes::pose_error(result.part_from_mcs, c.truth, c.centroid_mcs_mm).centroid_mm, 1e-7);
+  EXPECT_EQ(result.inliers, 750U);
+  EXPECT_EQ(result.outliers, 250U);
+}
+
+TEST(RegisterScan, BadInputNamesWhatIsWrong) {
+  const Case c(shapes::blade(24, 22), 200, kFront, 0.0);
+  const RegistrationTarget target(c.part);
+  const RigidTransform start = c.start(0.1, 0.0);
+  const auto with = [&](auto change) {
+    ScanPoints scan = c.scan;
+    RegistrationOptions options = preset("default");
+    change(scan, options);
+    return complaint(target, scan, start, options);
+  };
+  EXPECT_EQ(with([](auto& s, auto&) { s.snr.assign(10, 1.0); }), "the scan has 200 points but 10 SNR values");
+  EXPECT_EQ(with([](auto& s, auto&) {
+              s.snr.assign(200, 1.0);
+              s.snr[7] = 1.5;
+            }),
+            "SNR of scan point 7 is 1.5, must be within 0 to 1");
+  EXPECT_EQ(with([](auto& s, auto&) {
+              s.snr.assign(200, 1.0);
+              s.snr[7] = std::numeric_limits<double>::quiet_NaN();
+            }),
+            "SNR of scan point 7 is nan, must be within 0 to 1");
+  EXPECT_EQ(with([](auto& s, auto&) {
+              s.position_mcs_mm[3] = Vec3(1, std::numeric_limits<double>::infinity(), 2);
+            }),
+            "scan point 3 is (1, inf, 2), coordinates must be finite");
+  EXPECT_EQ(with([](auto& s, auto&) { s.snr.assign(200, 0.0); }),
+            "0 of 200 scan points have weight at weights.minimum_snr 0; at least three are needed");
+  EXPECT_EQ(with([](auto& s, auto&) { s.position_mcs_mm.clear(); }),
+            "0 of 0 scan points have weight at weights.minimum_snr 0; at least three are needed");
+  EXPECT_EQ(with([](auto& s, auto&) {
+              for (std::size_t i = 0; i < s.size(); ++i)
+                s.position_mcs_mm[i] = Vec3(0.1, 0.2, 0.3) * static_cast<double>(i);
+            }),
+            "the scan points lie on one line; at least three non-collinear points are needed");
+  EXPECT_NE(with([](auto& s, auto&) {
+              for (Vec3& p : s.position_mcs_mm) p.x() += 3e6;
+            }).find("check the initial pose and the units"),
+            std::string::npos);
+  EXPECT_EQ(with([](auto&, auto& o) { o.surfaces = {99}; }),
+            "surfaces names 99, but the part's surfaces are 0 to 7");
+  EXPECT_EQ(with([](auto&, auto& o) { o.surfaces = {7}; }),
+            "surfaces selects surfaces to which fewer than three scan points are closest");
+  RigidTransform bad = start;
+  bad.translation_mm.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(complaint(target, c.scan, bad, preset("default")),
+            "the initial pose holds a number that is not finite");
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ TEST(SensorModel, TheDistanceErrorHasTheLenssAccuracyAtTheBestPlace) {
   double sum = 0.0, sum_of_squares = 0.0, sum_of_fourth = 0.0;
   for (int k = 0; k < kReadings; ++k) {
     const double speckle = rng.normal();
-    const SensorReading reading = read_sensor(model, lens, lens.standoff_mm, 0.0, speckle, rng.normal());
+    const SensorReading reading = read_sensor(model, lens, lens.standoff_mm, 0.0, 1.0, speckle, rng.normal());
     const double error = (reading.distance_mm - lens.standoff_mm) / 0.003;
     sum += error;
     sum_of_squares += error * error;
@@ -77,7 +77,7 @@ TEST(SensorModel, FlagsFollowRangeIncidenceAndSignal) {
   const Lens lens = standard_lens("25mm");
   const SensorModel model;
   const auto flags_at = [&](double offset_mm, double incidence_rad) {
-    return read_sensor(model, lens, lens.standoff_mm + offset_mm, incidence_rad, 0.0, 0.0).flags;
+    return read_sensor(model, lens, lens.standoff_mm + offset_mm, incidence_rad, 1.0, 0.0, 0.0).flags;
   };
   EXPECT_EQ(flags_at(0.0, 0.0).bits(), 0);
   EXPECT_TRUE(flags_at(0.3499, 0.0).usable());
@@ -89,16 +89,15 @@ TEST(SensorModel, FlagsFollowRangeIncidenceAndSignal) {
   EXPECT_FALSE(flags_at(0.0, 74.0 * kDegree).low_signal);
   SensorModel polished;
   polished.finish = polished_finish();
-  const ProbeFlags weak = read_sensor(polished, lens, lens.standoff_mm, 60.0 * kDegree, 0.0, 0.0).flags;
+  const ProbeFlags weak = read_sensor(polished, lens, lens.standoff_mm, 60.0 * kDegree, 1.0, 0.0, 0.0).flags;
   EXPECT_TRUE(weak.low_signal);
   EXPECT_TRUE(weak.usable());
 }
 
 TEST(SensorModel, ANoiselessSensorReportsTheTrueRange) {
-  SensorModel model;
-  model.noise_scale = 0.0;
+  const SensorModel model = perfect_sensor();
   const Lens lens = standard_lens("100mm");
-  EXPECT_EQ(read_sensor(model, lens, 91.25, 0.7, 2.0, 3.0).distance_mm, 91.25);
+  EXPECT_EQ(read_sensor(model, lens, 91.25, 0.7, 1.0, 2.0, 3.0).distance_mm, 91.25);
 }
 
 TEST(SensorModel, ImpossibleValuesAreRefused) {

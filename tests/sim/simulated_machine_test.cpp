@@ -24,8 +24,7 @@ struct Scene {
     setup.lens = standard_lens("25mm");
     setup.geometry.stage_from_probe_at_zero.translation_mm = {0.0, 50.0, 0.0};
   }
-  VirtualPart virtual_part() const { return {std::shared_ptr<const FacetModel>(part, &part->model), caster}; }
-  SimulatedMachine machine() const { return SimulatedMachine(virtual_part(), setup); }
+  SimulatedMachine machine() const { return SimulatedMachine(make_virtual_part(part, caster), setup); }
   ScanPlan plan(const PlanOptions& options) const {
     return plan_view(setup.geometry, setup.lens, *part, *caster, setup.part_from_mcs, options);
   }
@@ -37,7 +36,7 @@ struct Scene {
 
 TEST(SimulatedMachine, WithoutErrorsEveryPointLiesOnThePart) {
   Scene scene(testing::sphere(12.0));
-  scene.setup.sensor.noise_scale = 0.0;
+  scene.setup.sensor = perfect_sensor();
   scene.setup.geometry.rotary_axis_point_mm = {5.0, 3.0, 0.0};
   scene.setup.part_from_mcs.rotation = rotation_from_vector({0.3, 0.2, 0.1});
   scene.setup.part_from_mcs.translation_mm = {2.0, -3.0, 4.0};
@@ -65,7 +64,7 @@ TEST(SimulatedMachine, WithoutErrorsEveryPointLiesOnThePart) {
 TEST(SimulatedMachine, TheTruePoseTakesMeasuredPointsOntoThePart) {
   Scene scene(testing::sphere(12.0));
   scene.setup.lens = standard_lens("100mm");
-  scene.setup.sensor.noise_scale = 0.0;
+  scene.setup.sensor = perfect_sensor();
   for (const ErrorSource source : {ErrorSource::part_x, ErrorSource::part_y, ErrorSource::fixture_z})
     scene.setup.errors[source] = {0.1, 0.2, ErrorScope::setup};
   for (const ErrorSource source : {ErrorSource::part_a, ErrorSource::part_c, ErrorSource::fixture_b})
@@ -138,7 +137,7 @@ TEST(SimulatedMachine, ASampleDoesNotDependOnHowTheScanIsCutIntoLines) {
   ScanPlan cut = plan;
   cut.lines.clear();
   for (const PlannedLine& line : plan.lines)
-    for (const AxisPositions& axes : line.path) cut.lines.push_back({{axes}});
+    for (const AxisPositions& axes : line.path) cut.lines.push_back({{}, {axes}});
   SimulatedMachine one = scene.machine(), other = scene.machine();
   EXPECT_TRUE(same_distances(execute_plan(one, scene.setup.geometry, plan),
                              execute_plan(other, scene.setup.geometry, cut)));
@@ -190,7 +189,7 @@ TEST(SimulatedMachine, ATiltedPlateFallsOutOfRangeAtItsEnds) {
 
 TEST(SimulatedMachine, SamplesTakenLateAreShiftedByVelocityTimesDelay) {
   Scene scene(testing::plate(0.0, 20.0));
-  scene.setup.sensor.noise_scale = 0.0;
+  scene.setup.sensor = perfect_sensor();
   scene.setup.errors[ErrorSource::time_base].mean = 0.001;
   SimulatedMachine machine = scene.machine();
   machine.connect();

@@ -1,0 +1,221 @@
+// The command as a user runs it: help and version; what an inspection leaves in its folder; that two runs
+// agree byte for byte, times apart; that resolved.yaml runs again to the same result; that --json is JSON;
+// that a written scan registers to the pose that the inspection found; verdicts and exit codes of regress;
+// Ctrl-C.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/sample_inputs.h"
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json without_times(Json document) {
+  for (auto& element : document.items()) {
+    if (element.key() == "time_s" || element.key() == "date")
+      element.value() = nullptr;
+    else if (element.value().is_structured())
+      element.value() = without_times(element.value());
+  }
+  return document;
+}
+
+Json result_of(const std::filesystem::path& folder) {
+  return Json::parse(text_of(folder / "result.json"));
+}
+
+TEST(Command, HelpAndVersionSucceed) {
+  for (const std::vector<std::string>& arguments :
+       std::vector<std::vector<std::string>>{{"--help"},
+                                             {"inspect", "--help"},
+                                             {"scan", "--help"},
+                                             {"register", "--help"},
+                                             {"part", "--help"},
+                                             {"part", "info", "--help"},
+                                             {"part", "facet", "--help"},
+                                             {"part", "make", "--help"},
+                                             {"regress", "--help"}}) {
+    const ChildResult help = run_trueblade(arguments);
+    EXPECT_EQ(help.exit_code, 0) << help.err;
+    EXPECT_NE(help.out.find("Usage:"), std::string::npos) << help.out;
+  }
+  const ChildResult version = run_trueblade({"--version"});
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_EQ(version.out.rfind("trueblade 0.", 0), 0u) << version.out;
+  EXPECT_NE(version.out.find("commit"), std::string::npos);
+}
+
+TEST(Inspect, LeavesAWholeRunFolder) {
+  const CubeFolder folder;
+  const ChildResult result = run_trueblade({"inspect", "cube.yaml", "--out", "run"}, folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  for (const char* file :
+       {"resolved.yaml", "result.json", "scan_front.ply", "scan_turned.ply", "deviations_front.ply",
+        "deviations_turned.ply", "front.exr", "turned.exr", "front.png", "turned.png"})
+    EXPECT_GT(std::filesystem::file_size(folder / "run" / file), 100u) << file;
+  EXPECT_NE(result.out.find("RMS"), std::string::npos);
+  EXPECT_NE(result.out.find("run"), std::string::npos);  // where the report is
+
+  const Json document = result_of(folder / "run");
+  ASSERT_EQ(document["views"].size(), 2u);
+  for (const Json& view : document["views"]) {
+    // Sensor noise of 3 um at normal incidence; the faces are seen at 55 degrees, where the signal is
+    // cos(55) = 0.57: 3 / 0.57 = 5.3 um along the beam, 5.3 * 0.57 = 3 um along the normal. Over 500 points
+    // its relative standard error is 1/sqrt(1000) = 3 %; 20 % covers speckle and six fitted numbers too.
+    EXPECT_NEAR(view["rms_mm"].get<double>(), 0.003, 0.0006);
+    // Fixture error: 0.2 and 0.3 mm, 0.4 degrees on 10 mm.
+    EXPECT_GT(view["initial_rms_mm"].get<double>(), 0.05);
+    // Three faces with 200 points each hold the centroid to 0.003 / sqrt(200) = 0.0002 mm; five times that.
+    EXPECT_LT(view["truth"]["translation_error_mm"].get<double>(), 0.001);
+  }
+}
+
+TEST(Inspect, TwoRunsAgreeByteForByteTimesApart) {
+  const CubeFolder folder;
+  for (const char* out : {"first", "second"})
+    ASSERT_EQ(run_trueblade({"inspect", "cube.yaml", "--out", out}, folder.path()).exit_code, 0);
+  for (const char* file : {"resolved.yaml", "scan_front.ply", "deviations_turned.ply"})
+    EXPECT_EQ(text_of(folder / "first" / file), text_of(folder / "second" / file)) << file;
+  EXPECT_EQ(without_times(result_of(folder / "first")).dump(),
+            without_times(result_of(folder / "second")).dump());
+}
+
+TEST(Inspect, TheSeedChangesTheNoise) {
+  const CubeFolder folder;
+  for (const char* seed : {"1", "2"})
+    ASSERT_EQ(run_trueblade({"inspect", "cube.yaml", "--out", seed, "--seed", seed}, folder.path()).exit_code,
+              0);
+  EXPECT_NE(text_of(folder / "1/scan_front.ply"), text_of(folder / "2/scan_front.ply"));
+}
+
+TEST(Inspect, ResolvedScenarioRunsAgainToTheSameResult) {
+  const CubeFolder folder;
+  ASSERT_EQ(run_trueblade({"inspect", "cube.yaml", "--out", "run", "--seed", "9"}, folder.path()).exit_code,
+            0);
+  const ChildResult again = run_trueblade({"inspect", "run/resolved.yaml", "--out", "again"}, folder.path());
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(text_of(folder / "again/resolved.yaml"), text_of(folder / "run/resolved.yaml"));
+  EXPECT_EQ(without_times(result_of(folder / "again")).dump(),
+            without_times(result_of(folder / "run")).dump());
+}
+
+TEST(Inspect, AToleranceThatIsLeftEndsWithExitCode1) {
+  const CubeFolder folder;
+  folder.write("tight.yaml", std::string(kCubeScenario) + "inspection: {tolerance_mm: [-0.001, 0.001]}\n");
+  const ChildResult result = run_trueblade({"inspect", "tight.yaml", "--out", "run"}, folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.err.find("tolerance"), std::string::npos) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/result.json"));
+}
+
+TEST(Json, StandardOutputIsOneDocument) {
+  const CubeFolder folder;
+  folder.write("promise.yaml", std::string(kCubeScenario) + "expect: {front: {rms_mm: [0, 1]}}\n");
+  const Json info =
+      Json::parse(run_trueblade({"part", "info", "cube.obj", "--unit", "cm", "--json"}, folder.path()).out);
+  EXPECT_EQ(info["facets"], 12);
+  EXPECT_EQ(info["nodes"], 8);
+  EXPECT_EQ(info["closed"], true);
+  EXPECT_EQ(info["area_mm2"], 600.0);
+  EXPECT_EQ(info["volume_mm3"], 1000.0);
+  const Json run =
+      Json::parse(run_trueblade({"inspect", "cube.yaml", "--out", "run", "--json"}, folder.path()).out);
+  EXPECT_EQ(run.dump(), result_of(folder / "run").dump());
+  const Json files =
+      Json::parse(run_trueblade({"scan", "cube.yaml", "--out", "scan.ply", "--json"}, folder.path()).out);
+  EXPECT_EQ(files.size(), 2u);
+  const Json verdicts = Json::parse(run_trueblade({"regress", "promise.yaml", "--json"}, folder.path()).out);
+  EXPECT_EQ(verdicts[0]["passed"], true);
+}
+
+TEST(Register, AWrittenScanFindsThePoseOfTheInspection) {
+  const CubeFolder folder;
+  ASSERT_EQ(run_trueblade({"inspect", "cube.yaml", "--out", "run"}, folder.path()).exit_code, 0);
+  ASSERT_EQ(run_trueblade({"scan", "cube.yaml", "--out", "scan.ply"}, folder.path()).exit_code, 0);
+  EXPECT_EQ(text_of(folder / "scan_front.ply"), text_of(folder / "run/scan_front.ply"));
+  folder.write("initial.yaml", "part_from_mcs: {rotation_wxyz: [0.888074, 0.325058, 0, -0.325058]}\n");
+  const ChildResult result =
+      run_trueblade({"register", "--part", "cube.obj", "--unit", "cm", "--scan", "scan_front.ply",
+                     "--initial", "initial.yaml", "--json", "--out", "report"},
+                    folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json inspected = result_of(folder / "run")["views"][0],
+             registered = Json::parse(result.out)["views"][0];
+  // The same points, part and options, and an initial pose that differs by the rounding of one inversion.
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(registered["pose"]["translation_mm"][k].get<double>(),
+                inspected["pose"]["translation_mm"][k].get<double>(), 1e-6);
+  EXPECT_TRUE(std::filesystem::exists(folder / "report/result.json"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "report/deviations_scan.ply"));
+}
+
+TEST(Part, FacetsAndMakesFilesThatItReadsBack) {
+  const CubeFolder folder;
+  ASSERT_EQ(run_trueblade({"part", "facet", "cube.obj", "--unit", "cm", "--out", "cube.ply"}, folder.path())
+                .exit_code,
+            0);
+  const ChildResult info =
+      run_trueblade({"part", "info", "cube.ply", "--unit", "mm", "--json"}, folder.path());
+  EXPECT_EQ(Json::parse(info.out)["volume_mm3"], 1000.0);
+
+  folder.write("small.yaml", "spanwise_patches: 2\n");
+  const ChildResult made = run_trueblade(
+      {"part", "make", "turbine_blade", "--parameters", "small.yaml", "--out", "blade.step"}, folder.path());
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const ChildResult blade = run_trueblade({"part", "info", "blade.step", "--json"}, folder.path());
+  ASSERT_EQ(blade.exit_code, 0) << blade.err;
+  EXPECT_EQ(Json::parse(blade.out)["closed"], true);
+}
+
+TEST(Regress, HoldsScenariosToTheirExpectations) {
+  const CubeFolder folder;
+  folder.write("holds.yaml",
+               std::string(kCubeScenario) + "expect: {front: {rms_mm: [0.001, 0.005], points: [1, 1e6]}}\n");
+  folder.write("fails.yaml", std::string(kCubeScenario) + "expect: {turned: {rms_mm: [0.1, 0.2]}}\n");
+
+  const ChildResult holds = run_trueblade({"regress", "holds.yaml"}, folder.path());
+  EXPECT_EQ(holds.exit_code, 0) << holds.out;
+  EXPECT_NE(holds.out.find("1 passed, 0 failed"), std::string::npos) << holds.out;
+
+  const ChildResult fails =
+      run_trueblade({"regress", "holds.yaml", "fails.yaml", "--junit", "junit.xml"}, folder.path());
+  EXPECT_EQ(fails.exit_code, 1);
+  EXPECT_NE(fails.out.find("1 passed, 1 failed"), std::string::npos) << fails.out;
+  const std::string xml = text_of(folder / "junit.xml");
+  EXPECT_NE(xml.find("<testsuite name=\"holds\" tests=\"2\" failures=\"0\""), std::string::npos) << xml;
+  EXPECT_NE(xml.find("<testsuite name=\"fails\" tests=\"1\" failures=\"1\""), std::string::npos) << xml;
+}
+
+TEST(Regress, AScenarioThatDoesNotRunFailsAndTheOthersStillRun) {
+  const CubeFolder folder;
+  folder.write(
+      "broken.yaml",
+      "part: {file: none.stl, unit: mm}\nscan: {views: [{name: a}]}\nexpect: {a: {rms_mm: [0, 1]}}\n");
+  folder.write("holds.yaml", std::string(kCubeScenario) + "expect: {front: {converged: [1, 1]}}\n");
+  const ChildResult result = run_trueblade({"regress", "broken.yaml", "holds.yaml"}, folder.path());
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_NE(result.out.find("none.stl: no such file"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("1 passed, 1 failed"), std::string::npos) << result.out;
+}
+
+TEST(Interrupt, KeepsWhatWasMeasured) {
+  const CubeFolder folder;
+  // A raster fine enough that the first report of progress comes long before the end.
+  std::string fine = kCubeScenario;
+  fine.replace(fine.find("spacing_mm: 0.5"), 15, "spacing_mm: 0.02");
+  folder.write("fine.yaml", fine);
+  const ChildResult result = run_trueblade({"inspect", "fine.yaml", "--out", "run"}, folder.path(),
+                                           {.interrupt_after = "scan front: "});
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_NE(result.err.find("interrupted"), std::string::npos) << result.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/scan_front.ply"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run/scan_turned.ply"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "run/result.json"));
+}
+
+}  // namespace
+}  // namespace trueblade

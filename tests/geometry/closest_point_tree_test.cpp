@@ -1,0 +1,286 @@
+// Closest-point tree: closed forms; the brute force on models made to mislead it, near and far; and its own
+// promise, that an answer does not depend on how it was found: cold, warm, in any order, from the certified
+// cache after any motion, by any number of threads, with any instruction set - to the last bit.
+#include "geometry/closest_point_tree.h"
+
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "geometry/error.h"
+#include "geometry/rigid_transform.h"
+#include "geometry/spatial_order.h"
+#include "tests/geometry/search_shapes.h"
+
+namespace trueblade {
+namespace {
+
+// Distances are differences of coordinates of size s followed by some thirty operations, in the tree and in
+// the brute force: 64 ulps of s. That is 1.4e-12 mm at s = 100 mm.
+double rounding_mm(const FacetModel& model, const Vec3& query_mm) {
+  const double s = std::max({model.lower_corner_mm().cwiseAbs().maxCoeff(),
+                             model.upper_corner_mm().cwiseAbs().maxCoeff(), query_mm.cwiseAbs().maxCoeff()});
+  return 64.0 * 0x1p-52 * s;
+}
+
+bool same_bits(const ClosestPoint& a, const ClosestPoint& b) {
+  return a.point_mm == b.point_mm && a.distance_mm == b.distance_mm && a.facet == b.facet &&
+         a.feature == b.feature;
+}
+
+std::vector<ClosestPoint> cold_answers(const ClosestPointTree& tree, const std::vector<Vec3>& queries) {
+  std::vector<ClosestPoint> closest(queries.size());
+  ClosestPointWork work;
+  tree.query(queries, closest, {}, work);
+  return closest;
+}
+
+void expect_is_closest(const FacetModel& model, const Vec3& query, const ClosestPoint& found,
+                       const ClosestPoint& truth) {
+  const double tolerance = rounding_mm(model, query);
+  EXPECT_NEAR(found.distance_mm, truth.distance_mm, tolerance);
+  EXPECT_NEAR((query - found.point_mm).norm(), found.distance_mm, tolerance);
+  ASSERT_LT(found.facet, model.facet_count());
+  const auto [a, b, c] = model.corners_mm(found.facet);
+  EXPECT_NEAR((closest_point_on_facet(a, b, c, query).point_mm - query).norm(), truth.distance_mm, tolerance);
+}
+
+TEST(ClosestPointTree, PlaneInClosedForm) {
+  const FacetModel model = build_facet_model(shapes::sheet(40, 30), 0.0).model;
+  const ClosestPointTree tree(model);
+  Rng rng(1, 0, "plane");
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 foot(40.0 * rng.uniform(), 30.0 * rng.uniform(), 0.0);
+    const double height = 20.0 * rng.normal();
+    const ClosestPoint closest = tree.query(foot + Vec3(0.0, 0.0, height));
+    EXPECT_EQ(closest.distance_mm, std::abs(height));  // the sheet's coordinates are whole numbers: exact
+    EXPECT_LT((closest.point_mm - foot).norm(), 64.0 * 0x1p-52 * 40.0);
+  }
+}
+
+TEST(ClosestPointTree, EqualsBruteForce) {
+  for (const auto& [name, model] : shapes::search_models()) {
+    SCOPED_TRACE(name);
+    const ClosestPointTree tree(model);
+    const std::vector<Vec3> queries = shapes::search_queries(model, 800, 11);
+    const std::vector<ClosestPoint> closest = cold_answers(tree, queries);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      expect_is_closest(model, queries[i], closest[i], closest_point_brute_force(model, queries[i]));
+  }
+}
+
+// The feature is the one of the model's own corner numbers: the closest point lies on it.
+TEST(ClosestPointTree, NamesTheFeature) {
+  for (const auto& [name, model] : shapes::search_models()) {
+    SCOPED_TRACE(name);
+    const ClosestPointTree tree(model);
+    std::array<int, 7> seen{};
+    for (const Vec3& query : shapes::search_queries(model, 400, 12)) {
+      const ClosestPoint closest = tree.query(query);
+      const auto corners = model.corners_mm(closest.facet);
+      const auto feature = static_cast<std::size_t>(closest.feature);
+      ++seen[feature];
+      if (feature >= 4) {
+        EXPECT_EQ(closest.point_mm, corners[feature - 4]);
+      } else if (feature >= 1) {
+        const Vec3 &from = corners[feature - 1], along = corners[feature % 3] - from;
+        const double t = (closest.point_mm - from).dot(along) / along.squaredNorm();
+        EXPECT_NEAR((from + t * along - closest.point_mm).norm(), 0.0, rounding_mm(model, query));
+        EXPECT_GE(t, 0.0);
+        EXPECT_LE(t, 1.0);
+      }
+    }
+    EXPECT_GT(seen[0], 0);
+    EXPECT_GT(seen[1] + seen[2] + seen[3], 0);
+    EXPECT_GT(seen[4] + seen[5] + seen[6], 0);
+  }
+}
+
+// 10 m from the origin coordinates have ulps of 1.8e-12 mm, but their differences are exact: moving a model
+// whose coordinates are multiples of 2^-10 by a whole number changes no distance by a bit.
+TEST(ClosestPointTree, KeepsItsPrecisionFarFromTheOrigin) {
+  FacetSoup soup = shapes::torus(40.0, 10.0, 60, 24);
+  for (Vec3& node : soup.nodes_mm) node = (node * 1024.0).array().round().matrix() / 1024.0;
+  const Vec3 offset(10000.0, -20000.0, 8192.0);
+  const FacetModel near = build_facet_model(soup, 0.0).model;
+  for (Vec3& node : soup.nodes_mm) node += offset;
+  const FacetModel far = build_facet_model(soup, 0.0).model;
+  const ClosestPointTree near_tree(near), far_tree(far);
+  for (Vec3 query : shapes::search_queries(near, 400, 13)) {
+    if (query.norm() > 1e5) continue;
+    query = (query * 1024.0).array().round().matrix() / 1024.0;
+    EXPECT_EQ(far_tree.query(query + offset).distance_mm, near_tree.query(query).distance_mm);
+  }
+}
+
+TEST(ClosestPointTree, AnswersDoNotDependOnOrderOrSeed) {
+  for (const auto& [name, model] : shapes::search_models()) {
+    SCOPED_TRACE(name);
+    const ClosestPointTree tree(model);
+    const std::vector<Vec3> queries = shapes::search_queries(model, 1000, 14);
+    const std::vector<ClosestPoint> closest = cold_answers(tree, queries);
+    const std::vector<std::uint32_t> order = spatial_order(queries);
+    std::vector<Vec3> sorted;
+    for (const std::uint32_t i : order) sorted.push_back(queries[i]);
+    const std::vector<ClosestPoint> in_order = cold_answers(tree, sorted);
+    for (std::size_t k = 0; k < order.size(); ++k) {
+      const std::uint32_t i = order[k];
+      EXPECT_TRUE(same_bits(in_order[k], closest[i]));
+      EXPECT_TRUE(same_bits(tree.query(queries[i]), closest[i]));
+      EXPECT_TRUE(same_bits(tree.query(queries[i], closest[i].facet), closest[i]));
+      EXPECT_TRUE(
+          same_bits(tree.query(queries[i], i % static_cast<std::uint32_t>(model.facet_count())), closest[i]));
+    }
+  }
+}
+
+// Motions as in a registration: large steps that shrink, then a jump, and again.
+TEST(ClosestPointTree, TheCertifiedCacheIsNeverWrong) {
+  for (const auto& [name, model] : shapes::search_models()) {
+    SCOPED_TRACE(name);
+    const ClosestPointTree tree(model);
+    std::vector<Vec3> queries = shapes::search_queries(model, 800, 15);
+    std::vector<CertifiedCache> cache(queries.size());
+    std::vector<ClosestPoint> closest(queries.size());
+    Rng rng(16, 0, "motions");
+    for (int round = 0; round < 2; ++round) {
+      for (double step = 3.0; step > 1e-7; step *= 0.2) {
+        const RigidTransform motion{rotation_from_vector(0.02 * step * rng.normal_vector()),
+                                    step * rng.normal_vector()};
+        for (Vec3& query : queries) query = motion * query;
+        ClosestPointWork work;
+        tree.query(queries, closest, cache, work);
+        EXPECT_EQ(work.queries, queries.size());
+        const std::vector<ClosestPoint> cold = cold_answers(tree, queries);
+        for (std::size_t i = 0; i < queries.size(); ++i)
+          ASSERT_TRUE(same_bits(closest[i], cold[i])) << "query " << i << ", step " << step;
+      }
+      for (Vec3& query : queries) query += 20.0 * rng.normal_vector();
+    }
+  }
+}
+
+// Close to convergence the cache answers: points 0.01 mm from a sphere of facets of 1.5 mm that move by 1e-5
+// mm lose their facet when their foot is within about 1e-3 mm of a facet's edge (0.3 % of the area), and may
+// miss otherwise only where float cannot certify more.
+TEST(ClosestPointTree, TheCertifiedCacheAnswersNearConvergence) {
+  const FacetModel model = build_facet_model(shapes::sphere(40.0, 4), 0.0).model;
+  const ClosestPointTree tree(model);
+  Rng rng(17, 0, "points");
+  std::vector<Vec3> queries(2000);
+  for (Vec3& query : queries) query = 40.01 * rng.normal_vector().normalized();
+  std::vector<CertifiedCache> cache(queries.size());
+  std::vector<ClosestPoint> closest(queries.size());
+  ClosestPointWork first, second;
+  tree.query(queries, closest, cache, first);
+  EXPECT_EQ(first.cache_hits, 0U);
+  for (Vec3& query : queries) query += Vec3(1e-5, 0.0, 0.0);
+  tree.query(queries, closest, cache, second);
+  EXPECT_GT(second.cache_hits, 1900U);
+  EXPECT_LT(second.facets_tested, first.facets_tested / 5);
+}
+
+TEST(ClosestPointTree, DoesNotDependOnThreads) {
+  const FacetModel model =
+      build_facet_model(shapes::torus(40.0, 10.0, 300, 100), 0.0).model;  // 60,000 facets
+  const std::vector<Vec3> queries = shapes::search_queries(model, 2000, 18);
+  const auto run = [&](int threads) {
+    std::pair<std::vector<ClosestPoint>, ClosestPointWork> result;
+    tbb::task_arena(threads).execute([&] {
+      const ClosestPointTree tree(model);
+      result.first.resize(queries.size());
+      tree.query(queries, result.first, {}, result.second);
+    });
+    return result;
+  };
+  const auto [one, one_work] = run(1);
+  const auto [four, four_work] = run(4);
+  for (std::size_t i = 0; i < queries.size(); ++i) EXPECT_TRUE(same_bits(one[i], four[i]));
+  // The same work to the last box: the same tree.
+  EXPECT_EQ(one_work.boxes_tested, four_work.boxes_tested);
+  EXPECT_EQ(one_work.facets_tested, four_work.facets_tested);
+}
+
+TEST(ClosestPointTree, DoesNotDependOnTheInstructionSet) {
+  const FacetModel model = build_facet_model(shapes::torus(40.0, 10.0, 60, 24), 0.0).model;
+  const std::vector<Vec3> queries = shapes::search_queries(model, 1000, 19);
+  const ClosestPointTree tree(model);
+  const std::vector<ClosestPoint> best = cold_answers(tree, queries);
+  for (const std::int64_t target : {HWY_SCALAR, HWY_EMU128, HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if ((hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    const std::vector<ClosestPoint> closest = cold_answers(tree, queries);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      EXPECT_TRUE(same_bits(closest[i], best[i])) << hwy::TargetName(target) << ", query " << i;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+TEST(ClosestPointTree, SearchesTheSelectedFacetsOnly) {
+  for (const auto& [name, model] : shapes::search_models()) {
+    SCOPED_TRACE(name);
+    std::vector<std::uint32_t> selected;
+    for (std::uint32_t facet = 0; facet < model.facet_count(); facet += 3) selected.push_back(facet);
+    const ClosestPointTree tree(model, selected);
+    for (const Vec3& query : shapes::search_queries(model, 100, 20)) {
+      ClosestPoint truth;
+      for (const std::uint32_t facet : selected) {
+        const auto [a, b, c] = model.corners_mm(facet);
+        const Vec3 point = closest_point_on_facet(a, b, c, query).point_mm;
+        if ((query - point).norm() < truth.distance_mm) truth = {point, (query - point).norm(), facet, {}};
+      }
+      // A facet outside the selection as a seed is no seed.
+      const ClosestPoint closest = tree.query(query, static_cast<std::uint32_t>(model.facet_count()) - 1);
+      expect_is_closest(model, query, closest, truth);
+      EXPECT_EQ(closest.facet % 3, 0U);
+    }
+  }
+}
+
+TEST(ClosestPointTree, AQueryThatIsNotFiniteHasNoClosestPoint) {
+  const FacetModel model = build_facet_model(shapes::sphere(40.0, 3), 0.0).model;
+  const ClosestPointTree tree(model);
+  const double infinite = std::numeric_limits<double>::infinity();
+  std::vector<Vec3> queries(40, Vec3(40.0, 1.0, 1.0));
+  const std::vector<ClosestPoint> good = cold_answers(tree, queries);
+  queries[0] = Vec3::Constant(std::nan(""));
+  queries[17] = Vec3(40.0, std::nan(""), 1.0);
+  queries[23] = Vec3(40.0, infinite, -infinite);
+  std::vector<CertifiedCache> cache(queries.size());
+  std::vector<ClosestPoint> closest(queries.size());
+  ClosestPointWork work;
+  for (int round = 0; round < 2; ++round) {
+    tree.query(queries, closest, cache, work);
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      if (queries[i].allFinite()) {
+        EXPECT_TRUE(same_bits(closest[i], good[i]));
+      } else {
+        EXPECT_EQ(closest[i].facet, kNoFacet);
+        EXPECT_EQ(closest[i].distance_mm, infinite);
+      }
+    }
+  }
+}
+
+TEST(ClosestPointTree, RefusesWrongSelections) {
+  const FacetModel model = build_facet_model(shapes::cube(10.0), 0.0).model;
+  const std::vector<std::uint32_t> none, outside{0, 12}, twice{3, 4, 3};
+  EXPECT_THROW(ClosestPointTree(model, none), InputError);
+  EXPECT_THROW(ClosestPointTree(model, outside), InputError);
+  EXPECT_THROW(ClosestPointTree(model, twice), InputError);
+  const ClosestPointTree tree(model);
+  const std::vector<Vec3> queries(3, Vec3::Zero());
+  std::vector<ClosestPoint> closest(2);
+  ClosestPointWork work;
+  EXPECT_THROW(tree.query(queries, closest, {}, work), InputError);
+}
+
+}  // namespace
+}  // namespace trueblade

@@ -1,0 +1,77 @@
+// Registration to the CAD surfaces themselves: the error of the facets is gone.
+#include <gtest/gtest.h>
+
+#include "part/turbine_blade.h"
+#include "registration/exact_foot.h"
+#include "registration/register_scan.h"
+#include "tests/registration/shapes.h"
+
+namespace trueblade {
+namespace {
+
+constexpr double kDegree = shapes::kPi / 180.0;
+
+// The demonstration blade with coarse facets, 0.02 mm from its surfaces.
+const Part& coarse_blade() {
+  static const Part part = [] {
+    FacetingOptions faceting;
+    faceting.chord_tolerance_mm = 0.02;
+    return make_turbine_blade(TurbineBladeParameters{}, faceting);
+  }();
+  return part;
+}
+
+// Points of the CAD surfaces: a point of a facet facing `view`, evaluated at its surface parameters.
+std::vector<Vec3> points_on_surfaces(const Part& part, std::size_t count, const Vec3& view) {
+  const ClosestPointTree tree(part.model);
+  std::vector<Vec3> points;
+  for (const Vec3& p : shapes::points_on(part, count, view, 0.0, 11)) {
+    const auto foot = exact_foot(part, tree.query(p), p);
+    if (foot) points.push_back(foot->point_mm);
+  }
+  return points;
+}
+
+TEST(ExactSurfaces, NoiseFreeScanComesBackWithinANanometreDespiteCoarseFacets) {
+  const Part& part = coarse_blade();
+  ASSERT_TRUE(part.exact);
+  const auto points = points_on_surfaces(part, 1500, Vec3(0.3, 1.0, 0.4));
+  ASSERT_GT(points.size(), 1400U);
+  const RigidTransform truth = shapes::some_pose();
+  const ScanPoints scan = shapes::seen_from(truth, points);
+  const Vec3 centroid_mcs = shapes::centroid_of(scan.position_mcs_mm);
+  const RegistrationTarget target(part);
+  const RigidTransform start = shapes::displaced(truth, 0.5, 0.5 * kDegree, shapes::centroid_of(points), 2);
+
+  const auto exact = register_scan(target, scan, start, preset("default"));
+  const auto error = shapes::pose_error(exact.part_from_mcs, truth, centroid_mcs);
+  EXPECT_TRUE(is_converged(exact.termination)) << full_report(exact);
+  EXPECT_LT(error.centroid_mm, 1e-6) << full_report(exact);
+  EXPECT_LT(error.rotation_rad, 1e-8);  // 1e-6 mm over the scan's radius of 40 mm is 2.5e-8
+
+  RegistrationOptions on_facets = preset("default");
+  on_facets.exact_surfaces = false;
+  const auto facets = register_scan(target, scan, start, on_facets);
+  EXPECT_GT(shapes::pose_error(facets.part_from_mcs, truth, centroid_mcs).centroid_mm,
+            1e-4);  // why it matters
+  EXPECT_GT(facets.rms_mm, 1e-3);
+}
+
+TEST(ExactSurfaces, FootOfAPointLiftedAlongTheNormalIsThePoint) {
+  const Part& part = coarse_blade();
+  const ClosestPointTree tree(part.model);
+  int checked = 0;
+  for (const Vec3& p : points_on_surfaces(part, 200, Vec3::Zero())) {
+    const auto here = exact_foot(part, tree.query(p), p);
+    if (!here) continue;
+    const Vec3 lifted = p + 0.05 * here->normal;
+    const auto foot = exact_foot(part, tree.query(lifted), lifted);
+    if (!foot || (foot->point_mm - p).norm() > 0.1) continue;  // another surface is nearer
+    EXPECT_LT((foot->point_mm - p).norm(), 1e-7);
+    ++checked;
+  }
+  EXPECT_GT(checked, 150);
+}
+
+}  // namespace
+}  // namespace trueblade
