@@ -4,7 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
-#include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace trueblade {
 

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
 
+#include "apps/cautions.h"
 #include "apps/command.h"
 #include "apps/inspect_scenario.h"
 #include "inspection/result_json.h"
@@ -20,21 +22,15 @@ bool within_tolerance(const ViewResult& view, const std::pair<double, double>& t
   return view.statistics.min_mm >= tolerance_mm.first && view.statistics.max_mm <= tolerance_mm.second;
 }
 
-// What failed although the inspection ran; empty when nothing did.
-std::vector<std::string> failures(const Scenario& scenario, const InspectionResult& result) {
-  std::vector<std::string> found;
-  for (const ViewResult& view : result.views) {
-    const Termination termination = view.registration.termination;
-    if (!is_converged(termination))
-      found.push_back(
-          fmt::format("view {}: the registration did not converge ({})", view.view, to_string(termination)));
-    const auto& tolerance = scenario.inspection.tolerance_mm;
-    if (tolerance && !within_tolerance(view, *tolerance))
-      found.push_back(fmt::format(
-          "view {}: deviations from {:.4f} to {:.4f} mm leave the tolerance of {} to {} mm", view.view,
-          view.statistics.min_mm, view.statistics.max_mm, tolerance->first, tolerance->second));
-  }
-  return found;
+// Tells what the numbers alone do not, and returns whether everything is as it should be.
+bool tell_verdict(const Scenario& scenario, const ViewResult& view) {
+  for (const std::string& caution : cautions(view)) spdlog::warn("{}", caution);
+  const auto& tolerance = scenario.inspection.tolerance_mm;
+  const bool tolerance_kept = !tolerance || within_tolerance(view, *tolerance);
+  if (!tolerance_kept)
+    spdlog::warn("view {}: deviations from {:.4f} to {:.4f} mm leave the tolerance of {} to {} mm", view.view,
+                 view.statistics.min_mm, view.statistics.max_mm, tolerance->first, tolerance->second);
+  return tolerance_kept && is_converged(view.registration.termination);
 }
 
 void print_explanation(const InspectionResult& result, const std::filesystem::path& folder) {
@@ -70,9 +66,9 @@ int inspect(const InspectOptions& options, bool json) {
     fmt::print("{}", inspection_table(run.result));
     print_explanation(run.result, folder);
   }
-  const std::vector<std::string> found = failures(scenario, run.result);
-  for (const std::string& failure : found) fmt::print(stderr, "trueblade: {}\n", failure);
-  return found.empty() ? ExitCode::done : ExitCode::expectation_failed;
+  bool all_well = true;
+  for (const ViewResult& view : run.result.views) all_well &= tell_verdict(scenario, view);
+  return all_well ? ExitCode::done : ExitCode::expectation_failed;
 }
 
 }  // namespace

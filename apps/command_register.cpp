@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "apps/cautions.h"
 #include "apps/command.h"
 #include "apps/evaluate_view.h"
 #include "apps/registration_fields.h"
@@ -88,10 +89,8 @@ int run_registration(const RegisterOptions& options, bool json) {
     fmt::print("{}\n", result_json(result).dump(2));
   else
     fmt::print("{}", inspection_table(result));
-  const Termination termination = view.result.registration.termination;
-  if (is_converged(termination)) return ExitCode::done;
-  spdlog::warn("the registration did not converge ({})", to_string(termination));
-  return ExitCode::expectation_failed;
+  for (const std::string& caution : cautions(view.result)) spdlog::warn("{}", caution);
+  return is_converged(view.result.registration.termination) ? ExitCode::done : ExitCode::expectation_failed;
 }
 
 }  // namespace

@@ -85,7 +85,7 @@ void write_inputs(const ScratchFolder& folder) {
   folder.write("out_of_travel.yaml", scenario("{file: cube.obj, unit: cm}",
                                               "machine: {mcs_from_part: {translation_mm: [0, 0, 900]}}\n"));
   folder.write("too_few_points.yaml",
-               "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], spacing_mm: 9}\n");
+               "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], spacing_mm: 11}\n");
   folder.write("no_expect.yaml", scenario("{file: cube.obj, unit: cm}"));
   folder.write("misspelt_parameters.yaml", "span_mm: 60\nspam_mm: 60\n");
   folder.write("impossible_parameters.yaml", "span_mm: 60\nfillet_radius_mm: 400\n");
@@ -148,7 +148,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"HTML as OBJ", {"part", "info", "wrong.obj", "--unit", "mm"}, {"wrong.obj"}},
         BadInput{"STEP without a surface", {"part", "info", "nothing.step"}, {"nothing.step"}},
         BadInput{"NaN coordinate", {"part", "info", "nan.obj", "--unit", "mm"}, {"nan.obj:2", "finite"}},
-        BadInput{"infinite coordinate", {"part", "info", "inf.obj", "--unit", "mm"}, {"inf.obj:3", "finite"}},
+        BadInput{
+            "infinite coordinate", {"part", "info", "inf.obj", "--unit", "mm"}, {"inf.obj:3", "coordinate"}},
         BadInput{
             "zero facets", {"part", "info", "no_facets.obj", "--unit", "mm"}, {"no_facets.obj", "no facets"}},
         BadInput{

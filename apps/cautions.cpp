@@ -1,0 +1,22 @@
+#include "apps/cautions.h"
+
+#include <fmt/format.h>
+
+namespace trueblade {
+
+std::vector<std::string> cautions(const ViewResult& view) {
+  const RegistrationResult& registration = view.registration;
+  std::vector<std::string> found;
+  if (!is_converged(registration.termination))
+    found.push_back(fmt::format("view {}: the registration did not converge ({}): its pose is no result",
+                                view.view, to_string(registration.termination)));
+  for (const UndeterminedDirection& direction : registration.undetermined)
+    found.push_back(fmt::format("view {}: the scan does not determine {}; it stays as in the initial pose",
+                                view.view, direction.words));
+  if (registration.cross_check && !registration.cross_check->agrees)
+    found.push_back(
+        fmt::format("view {}: the cross-check disagrees: {}", view.view, registration.cross_check->summary));
+  return found;
+}
+
+}  // namespace trueblade
