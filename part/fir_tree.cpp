@@ -24,8 +24,8 @@ std::vector<Vec2> suction_side_corners(const TurbineBladeParameters& p) {
     return 0.5 * p.root_neck_width_mm - taper * (teeth_top - z);
   };
   const auto crest_half_width = [&](double z) { return valley_half_width(z) + p.root_tooth_depth_mm; };
-  require_parameter(valley_half_width(bottom) > p.root_corner_radius_mm, "root_taper_deg",
-                    p.root_taper_deg, "small enough to leave a bottom to the root");
+  require_parameter(valley_half_width(bottom) > p.root_corner_radius_mm, "root_taper_deg", p.root_taper_deg,
+                    "small enough to leave a bottom to the root");
 
   std::vector<Vec2> corners = {{0.5 * p.root_neck_width_mm + 10.0 * p.root_corner_radius_mm, underside},
                                {0.5 * p.root_neck_width_mm, underside}};

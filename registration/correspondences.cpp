@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
@@ -53,6 +54,10 @@ CorrespondenceFinder::CorrespondenceFinder(const RegistrationTarget& target,
       surface_selected_(selected_surfaces(target.part(), options.surfaces)) {
   if (options.closest_point.cache == CorrespondenceCache::certified)
     certified_.resize(position_mcs_mm.size());
+  if (options.closest_point.cache == CorrespondenceCache::published)
+    cached_facet_.resize(position_mcs_mm.size(), kNoFacet);
+  if (options.closest_point.cache == CorrespondenceCache::five_points)
+    five_nodes_.resize(position_mcs_mm.size());
 }
 
 void CorrespondenceFinder::find(const RigidTransform& part_from_mcs, const StepFrame& frame,
@@ -96,8 +101,11 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
       work.queries += count;
       work.facets_tested += count * target_.model().facet_count();
       break;
-    default:
-      throw InputError("closest_point.search is not available");
+    case ClosestPointSearch::nearest_node_walk:
+    case ClosestPointSearch::nearest_node_facets:
+      for (std::size_t i = 0; i < count; ++i) closest[i] = closest_by_node(points[i], begin + i, work);
+      work.queries += count;
+      break;
   }
 
   for (std::size_t i = begin; i < end; ++i) {
@@ -118,6 +126,49 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
     column.tail<3>() = n;
     result.eligible[i] = is_eligible(foot);
   }
+}
+
+ClosestPoint CorrespondenceFinder::closest_by_node(const Vec3& point_mm, std::size_t i,
+                                                   ClosestPointWork& work) {
+  const NodeSearch& search = target_.node_search();
+  if (!cached_facet_.empty() && cached_facet_[i] != kNoFacet) {
+    if (const auto closest = search.from_cached_facet(cached_facet_[i], point_mm, work)) {
+      ++work.cache_hits;
+      cached_facet_[i] = closest->facet;
+      return *closest;
+    }
+  }
+  ClosestPoint closest = search.on_facets_of(nearest_node(point_mm, i, work), point_mm, work);
+  if (options_.closest_point.search == ClosestPointSearch::nearest_node_walk)
+    closest = search.walk(closest, point_mm, work);
+  if (!cached_facet_.empty()) cached_facet_[i] = closest.facet;
+  return closest;
+}
+
+std::uint32_t CorrespondenceFinder::nearest_node(const Vec3& point_mm, std::size_t i,
+                                                 ClosestPointWork& work) {
+  const NodeSearch& search = target_.node_search();
+  const auto& options = options_.closest_point;
+  if (five_nodes_.empty() || search.node_count() < 5) {
+    std::uint32_t node = 0;
+    search.nearest_nodes(point_mm, options.node_structure, options.node_epsilon, {&node, 1});
+    return node;
+  }
+  FiveNodes& five = five_nodes_[i];
+  const auto nearest_of_five = [&] {
+    return *std::min_element(five.node.begin(), five.node.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return search.distance_to_node_mm(a, point_mm) < search.distance_to_node_mm(b, point_mm);
+    });
+  };
+  const std::uint32_t cached = nearest_of_five();
+  if (search.distance_to_node_mm(cached, point_mm) <= five.fifth_mm - (point_mm - five.anchor_mm).norm()) {
+    ++work.cache_hits;
+    return cached;
+  }
+  search.nearest_nodes(point_mm, options.node_structure, options.node_epsilon, five.node);
+  five.anchor_mm = point_mm;
+  five.fifth_mm = search.distance_to_node_mm(five.node.back(), point_mm);
+  return nearest_of_five();
 }
 
 bool CorrespondenceFinder::is_eligible(const ClosestPoint& closest) const {

@@ -8,6 +8,8 @@
 // so that all six components of the scaled step u are lengths in mm.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "geometry/closest_point_tree.h"
@@ -48,6 +50,14 @@ inline ClosestPointWork& operator+=(ClosestPointWork& sum, const ClosestPointWor
   return sum;
 }
 
+// Simon's cache: the five nearest nodes of a point. While the nearest of them is nearer than the fifth was,
+// less how far the point has moved since, no other node can be nearer.
+struct FiveNodes {
+  std::array<std::uint32_t, 5> node{};
+  Vec3 anchor_mm = Vec3::Zero();
+  double fifth_mm = -1.0;  // distance of the fifth from the anchor; negative: empty
+};
+
 // Finds the correspondences of one working scan, pose after pose; keeps the caches between calls.
 class CorrespondenceFinder {
  public:
@@ -64,6 +74,8 @@ class CorrespondenceFinder {
  private:
   void find_block(const RigidTransform& part_from_mcs, std::size_t begin, std::size_t end,
                   Correspondences& result, ClosestPointWork& work);
+  ClosestPoint closest_by_node(const Vec3& point_mm, std::size_t i, ClosestPointWork& work);
+  std::uint32_t nearest_node(const Vec3& point_mm, std::size_t i, ClosestPointWork& work);
   bool is_eligible(const ClosestPoint& closest) const;
 
   const RegistrationTarget& target_;
@@ -72,6 +84,8 @@ class CorrespondenceFinder {
   bool exact_;
   std::vector<bool> surface_selected_;  // empty: all
   std::vector<CertifiedCache> certified_;
+  std::vector<std::uint32_t> cached_facet_;  // P5
+  std::vector<FiveNodes> five_nodes_;
   ClosestPointWork work_;
 };
 

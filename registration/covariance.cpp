@@ -108,6 +108,7 @@ Mat6 inverse_within(const Mat6& hessian, const FreeDirections& determined) {
 }  // namespace
 
 double untruncated_sigma_mm(double truncated_rms_mm, double cut_mm) {
+  if (!std::isfinite(cut_mm)) return truncated_rms_mm;  // no cut
   if (!(truncated_rms_mm > 0.0) || !(truncated_rms_mm < 0.5 * cut_mm)) return truncated_rms_mm;
   // sigma sqrt(B / P) rises with sigma from 0 to cut / sqrt(3): bisection between the truncated RMS and twice
   // the cut, to the last bit of a double.

@@ -12,6 +12,8 @@ struct RegistrationTarget::Impl {
   ClosestPointTree tree;
   std::once_flag pseudo_normals_once;
   std::optional<PseudoNormals> pseudo_normals;
+  std::once_flag node_search_once;
+  std::optional<NodeSearch> node_search;
 };
 
 RegistrationTarget::RegistrationTarget(const Part& part) : impl_(std::make_unique<Impl>(part)) {}
@@ -29,6 +31,11 @@ const ClosestPointTree& RegistrationTarget::tree() const {
 const PseudoNormals& RegistrationTarget::pseudo_normals() const {
   std::call_once(impl_->pseudo_normals_once, [this] { impl_->pseudo_normals.emplace(impl_->part.model); });
   return *impl_->pseudo_normals;
+}
+
+const NodeSearch& RegistrationTarget::node_search() const {
+  std::call_once(impl_->node_search_once, [this] { impl_->node_search.emplace(impl_->part.model); });
+  return *impl_->node_search;
 }
 
 }  // namespace trueblade

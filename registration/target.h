@@ -6,6 +6,7 @@
 #include "geometry/closest_point_tree.h"
 #include "geometry/pseudo_normals.h"
 #include "part/part.h"
+#include "registration/node_search.h"
 
 namespace trueblade {
 
@@ -23,6 +24,7 @@ class RegistrationTarget {
   const FacetModel& model() const { return part().model; }
   const ClosestPointTree& tree() const;
   const PseudoNormals& pseudo_normals() const;
+  const NodeSearch& node_search() const;
 
  private:
   struct Impl;

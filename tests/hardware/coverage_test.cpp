@@ -117,27 +117,6 @@ TEST(PointAccess, InASlotNarrowerThanTheLightMoreThanHalfIsCutOff) {
   EXPECT_EQ(access.check({0, 0, 0}, Vec3::UnitY(), -Vec3::UnitY()), PointAccess::beam_blocked);
 }
 
-TEST(ViewAngles, ASphereNeedsThreeViewsAt60Degrees) {
-  // Within 60 degrees of incidence each view sees 120 degrees of the equator: three, 120 degrees apart, see
-  // all of it and what lies near it.
-  const Part part = testing::sphere(10.0, 60);
-  const RayCaster caster(part.model);
-  PlanOptions plan;
-  plan.max_incidence_rad = 60.0 * kDegree;
-  ViewAngleOptions options;
-  options.candidate_step_rad = 30.0 * kDegree;
-  options.least_gain = 0.05;
-  const AxisLimits limits{{-500, -500, -500, -10}, {500, 500, 500, 10}};
-  const ViewChoice choice =
-      choose_view_angles({}, standard_lens("25mm"), limits, part, caster, {}, plan, options);
-  ASSERT_EQ(choice.theta_rad.size(), 3u);
-  EXPECT_NEAR(choice.coverage.seen, 0.75, 0.03);  // three caps of a quarter each, touching
-  EXPECT_LE(choice.coverage.seen, choice.coverable);
-  const Coverage again = coverage_of_views({}, standard_lens("25mm"), part, caster, {}, plan,
-                                           choice.theta_rad, options.sample_count);
-  EXPECT_EQ(again.seen, choice.coverage.seen);
-}
-
 TEST(ViewAngles, OnlyAnglesWithinTheTravelAreCandidates) {
   const Part part = testing::sphere(10.0, 30);
   const RayCaster caster(part.model);

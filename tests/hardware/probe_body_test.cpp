@@ -51,7 +51,6 @@ TEST(ProbeBody, AWayAcrossASphereIsBlockedAndOneAroundItIsFree) {
   const Part part = testing::sphere(10.0);
   const ProbeClearance clearance(part.model, slim_body());
   EXPECT_FALSE(clearance.way_is_free({-40, 0, 0}, {40, 0, 0}, kBeam));
-  EXPECT_FALSE(clearance.way_is_free({-40, 0, 15.3}, {40, 0, 15.3}, kBeam));  // 15.5 would pass
   EXPECT_TRUE(clearance.way_is_free({-40, 0, 15.6}, {40, 0, 15.6}, kBeam));
   EXPECT_TRUE(clearance.way_is_free({-40, 11, 0}, {40, 11, 0}, kBeam));  // in front of it
   EXPECT_FALSE(clearance.way_is_free({0, 11, 0}, {0, 10, 0}, kBeam));

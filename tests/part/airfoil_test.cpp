@@ -14,7 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path airfoil_folder() { return fs::path(TRUEBLADE_DATA_DIR) / "airfoils"; }
+fs::path airfoil_folder() {
+  return fs::path(TRUEBLADE_DATA_DIR) / "airfoils";
+}
 
 class AirfoilFile : public testing::Test {
  protected:
@@ -96,8 +98,8 @@ TEST_F(AirfoilFile, RefusesAnOutlineThatRunsTheOtherWay) {
   EXPECT_MENTIONS(error_of(lines), "the upper side, which comes first");
 }
 
-// The files print NACA's ordinates, which were computed by hand from tables with five decimals: half a unit of the
-// print, half a unit of the thickness and 0.4 times half a unit of the mean line, 1.2e-5 together.
+// The files print NACA's ordinates, which were computed by hand from tables with five decimals: half a unit
+// of the print, half a unit of the thickness and 0.4 times half a unit of the mean line, 1.2e-5 together.
 class Naca65Ordinates : public testing::TestWithParam<std::pair<const char*, double>> {};
 
 TEST_P(Naca65Ordinates, AgreeWithPublishedFiles) {

@@ -1,5 +1,5 @@
-// Sections of the blade: mean line and thickness against the closed form of an ellipse, and the numbers that a
-// section is asked for against the outline that comes out.
+// Sections of the blade: mean line and thickness against the closed form of an ellipse, and the numbers that
+// a section is asked for against the outline that comes out.
 #include "part/blade_section.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,8 @@ AirfoilSection ellipse(double b) {
   AirfoilSection section{"ellipse", {}};
   constexpr int kPoints = 400;
   for (int i = 0; i <= kPoints; ++i)
-    section.outline.emplace_back(0.5 + 0.5 * std::cos(2.0 * kPi * i / kPoints), b * std::sin(2.0 * kPi * i / kPoints));
+    section.outline.emplace_back(0.5 + 0.5 * std::cos(2.0 * kPi * i / kPoints),
+                                 b * std::sin(2.0 * kPi * i / kPoints));
   return section;
 }
 
@@ -32,8 +33,8 @@ TEST(MeanLine, OfAnEllipseIsItsAxisWithTheRadiusOfTheClosedForm) {
     const MeanLine::Circle circle = mean_line.at(x);
     const double c2 = a * a - b * b, from_middle = x - 0.5;
     const double radius = b * std::sqrt(1.0 - from_middle * from_middle / c2);
-    // The outline is a cubic spline through points h = 0.0079 apart or closer, of curvature up to a / b^2 = 50
-    // at the nose: 5/384 h^4 (50^3) = 6e-6 there and far less elsewhere.
+    // The outline is a cubic spline through points h = 0.0079 apart or closer, of curvature up to a / b^2 =
+    // 50 at the nose: 5/384 h^4 (50^3) = 6e-6 there and far less elsewhere.
     EXPECT_NEAR(circle.centre.y(), 0.0, 6e-6) << x;
     EXPECT_NEAR(circle.radius, radius, 6e-6) << x;
     // Slopes lose one order of h over the 0.01 to 0.02 between circles.
@@ -56,7 +57,8 @@ class Section : public testing::Test {
   std::vector<Vec2> outline(int per_piece) const {
     std::vector<Vec2> points;
     for (const SectionPiece piece : kSectionPieces)
-      for (int i = 0; i < per_piece; ++i) points.push_back(section_.point(piece, static_cast<double>(i) / per_piece));
+      for (int i = 0; i < per_piece; ++i)
+        points.push_back(section_.point(piece, static_cast<double>(i) / per_piece));
     return points;
   }
 };
@@ -73,7 +75,8 @@ TEST_F(Section, EdgesAreArcsOfTheStatedRadiiOnTheStaggeredChordLine) {
   const auto centre_of = [&](SectionPiece first, SectionPiece second, double radius) {
     const Vec2 centre =
         circumcentre(section_.point(first, 0.0), section_.point(first, 1.0), section_.point(second, 0.4));
-    for (const double along : {0.0, 0.3, 0.7, 1.0}) {  // rounding of coordinates of 20 mm: 1e-12 with its condition
+    for (const double along :
+         {0.0, 0.3, 0.7, 1.0}) {  // rounding of coordinates of 20 mm: 1e-12 with its condition
       EXPECT_NEAR((section_.point(first, along) - centre).norm(), radius, 1e-11);
       EXPECT_NEAR((section_.point(second, along) - centre).norm(), radius, 1e-11);
     }
@@ -97,8 +100,8 @@ TEST_F(Section, ExtendsOneChordAlongTheChordLine) {
   EXPECT_NEAR(high - low, 36.0, 1e-6);
 }
 
-// Brute force over the outline: the circle that touches the suction side at p from inside and passes through q has
-// the radius |q - p|^2 / (2 n (q - p)); the inscribed one is the least over all q.
+// Brute force over the outline: the circle that touches the suction side at p from inside and passes through
+// q has the radius |q - p|^2 / (2 n (q - p)); the inscribed one is the least over all q.
 TEST_F(Section, LargestInscribedCircleHasTheStatedThickness) {
   const std::vector<Vec2> points = outline(2000);
   double largest = 0.0;
@@ -112,8 +115,8 @@ TEST_F(Section, LargestInscribedCircleHasTheStatedThickness) {
         radius = std::min(radius, (other - point).squaredNorm() / depth);
     largest = std::max(largest, radius);
   }
-  // Points 0.25 mm apart where the radius falls off by 0.25^2 / 8 * 2 * 1.8 / 12^2 = 2e-4 (a parabola that falls to
-  // half the thickness 12 mm away).
+  // Points 0.25 mm apart where the radius falls off by 0.25^2 / 8 * 2 * 1.8 / 12^2 = 2e-4 (a parabola that
+  // falls to half the thickness 12 mm away).
   EXPECT_NEAR(2.0 * largest, 3.6, 5e-4);
 }
 
@@ -151,7 +154,8 @@ TEST_F(Section, CentroidIsOnTheStackingAxis) {
 }
 
 TEST_F(Section, SuctionSideIsAtPositiveYAndTheLeadingEdgeAtNegativeX) {
-  EXPECT_GT(section_.point(SectionPiece::suction, 0.5).y(), section_.point(SectionPiece::pressure, 0.5).y() + 3.0);
+  EXPECT_GT(section_.point(SectionPiece::suction, 0.5).y(),
+            section_.point(SectionPiece::pressure, 0.5).y() + 3.0);
   EXPECT_LT(section_.point(SectionPiece::leading_suction, 0.0).x(), -15.0);
 }
 
@@ -166,12 +170,15 @@ TEST_F(Section, RefusesEdgeRadiiThatDoNotFit) {
     }
     return std::string("no error");
   };
-  EXPECT_NE(message(&SectionSize::leading_edge_radius_mm, 0.1).find("tip_leading_edge_radius_mm is 0.1"), std::string::npos);
-  EXPECT_NE(message(&SectionSize::leading_edge_radius_mm, 1.9).find("tip_leading_edge_radius_mm is 1.9"), std::string::npos);
+  EXPECT_NE(message(&SectionSize::leading_edge_radius_mm, 0.1).find("tip_leading_edge_radius_mm is 0.1"),
+            std::string::npos);
+  EXPECT_NE(message(&SectionSize::leading_edge_radius_mm, 1.9).find("tip_leading_edge_radius_mm is 1.9"),
+            std::string::npos);
   EXPECT_NE(message(&SectionSize::trailing_edge_radius_mm, 1.9).find("tip_trailing_edge_radius_mm is 1.9"),
             std::string::npos);
   // Above the radius of the nose, but the arc is too short to reach the chord line.
-  EXPECT_NE(message(&SectionSize::leading_edge_radius_mm, 0.27).find("too small for the thick or cambered leading edge"),
+  EXPECT_NE(message(&SectionSize::leading_edge_radius_mm, 0.27)
+                .find("too small for the thick or cambered leading edge"),
             std::string::npos)
       << message(&SectionSize::leading_edge_radius_mm, 0.27);
 }

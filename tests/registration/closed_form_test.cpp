@@ -51,22 +51,32 @@ TEST(ClosedForm, ReturnsTheMotionOfExactPairs) {
   }
 }
 
-// The optimum of a least-squares problem is unique where the points are not degenerate: whatever finds it
-// must find the same one.
+double cost(const Pairs& p, const RigidTransform& pose) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < p.measured.size(); ++i)
+    sum += p.weights[i] * (pose * p.measured[i] - p.nominal[i]).squaredNorm();
+  return sum;
+}
+
+// The optimum of a least-squares problem is unique where the points are not degenerate: the two closed forms
+// must find the same pose. Ceres, which compares costs, cannot see a turn that changes the cost by less than
+// its rounding (near-degenerate sets: up to 1e-4 rad), so it is held to the cost: it must not find a lower
+// one. A sum of eight squares of coordinates near 100 mm, whose rounding is 1e-14 mm: 1e-12 relative at
+// residuals of 0.001 mm.
 TEST(ClosedForm, AgreesWithSvdAndCeresOnThousandsOfRandomProblems) {
   for (std::uint64_t trial = 0; trial < 2000; ++trial) {
     Rng rng(2, trial, "problems");
     const RigidTransform truth = random_pose(rng);
     const Vec3 shapes[] = {Vec3(40, 30, 20), Vec3(40, 30, 0), Vec3(40, 1, 0.1), Vec3(40, 40, 40)};
-    Pairs p = random_pairs(rng, 8, shapes[trial % 4], truth, trial % 3 == 0 ? 1.0 : 0.001);
+    const Pairs p = random_pairs(rng, 8, shapes[trial % 4], truth, trial % 3 == 0 ? 1.0 : 0.001);
     const auto q = absolute_orientation_by_quaternion(p.measured, p.nominal, p.weights);
     const auto s = absolute_orientation_by_svd(p.measured, p.nominal, p.weights);
     const auto c = absolute_orientation_by_ceres(p.measured, p.nominal, p.weights, truth);
     const Vec3& probe = p.measured[0];
     EXPECT_LT(rotation_angle_between(q, s), 1e-10) << trial;
-    EXPECT_LT(rotation_angle_between(q, c), 1e-10) << trial;
     EXPECT_LT((q * probe - s * probe).norm(), 1e-9) << trial;
-    EXPECT_LT((q * probe - c * probe).norm(), 1e-9) << trial;
+    EXPECT_LE(cost(p, q), cost(p, c) * (1.0 + 1e-9)) << trial;
+    EXPECT_LE(cost(p, c), cost(p, q) * (1.0 + 1e-6)) << trial;  // and it came there too
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/registration/shapes.h"
 
 namespace trueblade {
@@ -137,6 +139,90 @@ TEST(Correspondences, ExactTreeWithAndWithoutCacheEqualsBruteForceWhileThePoseMo
   EXPECT_GT(a.work().cache_hits, 0U);
   EXPECT_LT(a.work().cache_hits, a.work().queries);
   EXPECT_EQ(b.work().cache_hits, 0U);
+}
+
+RegistrationOptions by_node(ClosestPointSearch search, CorrespondenceCache cache, NodeStructure structure) {
+  RegistrationOptions options;
+  options.closest_point = {search, cache, structure, 0.0};
+  return options;
+}
+
+// Figure 3: the point lies on a large facet, but the nearest node belongs to the small one beside it.
+TEST(NodeSearch, WalkReachesTheClosestFacetThatTheNearestNodeDoesNotTouch) {
+  FacetSoup soup;
+  soup.nodes_mm = {Vec3(0, 0, 0), Vec3(10, 0, 0), Vec3(5, 10, 0), Vec3(5, -1, 0)};
+  soup.facets = {{0, 1, 2}, {0, 3, 1}};
+  const Part part = shapes::part_of(soup);
+  const std::vector<Vec3> point{Vec3(5, 0.8, 0.1)};
+  for (const NodeStructure structure : {NodeStructure::box_decomposition_tree, NodeStructure::kd_tree}) {
+    const auto plain =
+        find(part, point, RigidTransform{},
+             by_node(ClosestPointSearch::nearest_node_facets, CorrespondenceCache::none, structure));
+    const auto walk =
+        find(part, point, RigidTransform{},
+             by_node(ClosestPointSearch::nearest_node_walk, CorrespondenceCache::none, structure));
+    EXPECT_NEAR(plain.closest[0].distance_mm, std::hypot(0.8, 0.1), 1e-15);
+    EXPECT_NEAR(walk.closest[0].distance_mm, 0.1, 1e-15);
+  }
+}
+
+// What the walk cannot do: cross to a shell that shares no node. The exact tree can.
+TEST(NodeSearch, WalkStaysOnItsShellWhereTheExactTreeCrosses) {
+  FacetSoup soup;
+  soup.nodes_mm = {Vec3(-20, -20, 0), Vec3(20, -20, 0), Vec3(0, 30, 0),
+                   Vec3(0, 0, 2),     Vec3(1, 0, 2),    Vec3(0, 1, 2)};
+  soup.facets = {{0, 1, 2}, {3, 4, 5}};
+  const Part part = shapes::part_of(soup);
+  const std::vector<Vec3> point{Vec3(-1, -1, 0.5)};
+  const auto walk = find(part, point, RigidTransform{},
+                         by_node(ClosestPointSearch::nearest_node_walk, CorrespondenceCache::none, {}));
+  EXPECT_NEAR(walk.closest[0].distance_mm, Vec3(1, 1, 1.5).norm(), 1e-14);
+  EXPECT_NEAR(find(part, point, RigidTransform{}).closest[0].distance_mm, 0.5, 1e-14);
+}
+
+TEST(NodeSearch, EveryStructureReturnsANodeWithinItsError) {
+  const Part part = shapes::blade(48, 44);
+  const NodeSearch search(part.model);
+  for (const Vec3& query : points_around(40.0, 300)) {
+    double nearest = 1e300;
+    for (std::uint32_t n = 0; n < part.model.node_count(); ++n)
+      nearest = std::min(nearest, search.distance_to_node_mm(n, query));
+    for (const NodeStructure structure : {NodeStructure::box_decomposition_tree, NodeStructure::kd_tree})
+      for (const double epsilon : {0.0, 0.1, 1.0}) {
+        std::uint32_t node = 0;
+        search.nearest_nodes(query, structure, epsilon, {&node, 1});
+        EXPECT_LE(search.distance_to_node_mm(node, query), (1.0 + epsilon) * nearest * (1.0 + 1e-12));
+      }
+  }
+}
+
+// The caches answer part of the queries while the points move, and what they answer is on the part: at least
+// the true distance away, and mostly just that.
+TEST(NodeSearch, CachesAnswerWithoutLosingTheSurface) {
+  const Part part = shapes::blade(48, 44);
+  const RegistrationTarget target(part);
+  const auto points = shapes::points_on(part, 1000, Vec3::Zero(), 0.003, 5);
+  for (const CorrespondenceCache cache : {CorrespondenceCache::published, CorrespondenceCache::five_points}) {
+    const auto options = by_node(ClosestPointSearch::nearest_node_walk, cache, {});
+    CorrespondenceFinder cached(target, options, points, false);
+    CorrespondenceFinder exact(target, RegistrationOptions{}, points, false);
+    Correspondences c, e;
+    std::size_t right = 0, all = 0;
+    for (int k = 0; k < 8; ++k) {
+      const RigidTransform pose =
+          shapes::displaced(RigidTransform{}, std::ldexp(0.5, -k), std::ldexp(0.01, -k), Vec3(0, 0, 50), 6);
+      cached.find(pose, {}, c);
+      exact.find(pose, {}, e);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        EXPECT_GE(c.closest[i].distance_mm, e.closest[i].distance_mm - 1e-12);
+        right += c.closest[i].distance_mm < e.closest[i].distance_mm + 1e-9;
+        ++all;
+      }
+    }
+    EXPECT_GT(cached.work().cache_hits, 0U) << to_string(cache);
+    EXPECT_LT(cached.work().cache_hits, cached.work().queries) << to_string(cache);
+    EXPECT_GT(static_cast<double>(right), 0.8 * static_cast<double>(all)) << to_string(cache);
+  }
 }
 
 }  // namespace

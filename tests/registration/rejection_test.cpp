@@ -113,20 +113,18 @@ Correspondences linear_model(const Vec6& step, std::size_t count) {
   return c;
 }
 
-TEST(FitStep, ConsistentCutAndLeastMedianFindTheStepBehindFortyPercentOutliers) {
+TEST(FitStep, LeastMedianFindsTheStepBehindFortyPercentOneSidedOutliers) {
   const Vec6 step = (Vec6() << 0.3, -0.2, 0.1, 1.0, -2.0, 0.5).finished();
-  for (const RejectionRule rule : {RejectionRule::consistent_cut, RejectionRule::least_median_of_squares}) {
-    Correspondences c = linear_model(step, 1000);
-    Rng rng(2, 0, "outliers");
-    for (std::size_t i = 0; i < 400; ++i) c.distance_mm[i] += 5.0 + 5.0 * rng.uniform();  // all to one side
-    RejectionOptions options;
-    options.rule = rule;
-    const std::vector<double> base(c.size(), 1.0);
-    std::vector<double> weights(c.size());
-    const StepFit fit = fit_step(c, base, options, FreeDirections::Identity(6, 6), 1e-12, weights);
-    EXPECT_LT((fit.step_scaled - step).norm(), 1e-9) << to_string(rule);
-    EXPECT_EQ(kept(weights), 600U) << to_string(rule);
-  }
+  Correspondences c = linear_model(step, 1000);
+  Rng rng(2, 0, "outliers");
+  for (std::size_t i = 0; i < 400; ++i) c.distance_mm[i] += 5.0 + 5.0 * rng.uniform();
+  RejectionOptions options;
+  options.rule = RejectionRule::least_median_of_squares;
+  const std::vector<double> base(c.size(), 1.0);
+  std::vector<double> weights(c.size());
+  const StepFit fit = fit_step(c, base, options, FreeDirections::Identity(6, 6), 1e-12, weights);
+  EXPECT_LT((fit.step_scaled - step).norm(), 1e-9);
+  EXPECT_EQ(kept(weights), 600U);
 }
 
 // Few points see the only large misplacement: their residuals are far beyond any cut, but the step explains
