@@ -46,12 +46,6 @@ void ClosestPointTree::query(std::span<const Vec3> queries_mm, std::span<Closest
                      std::to_string(closest.size()) + " answers and " + std::to_string(cache.size()) +
                      " caches");
   search_facet_tree(impl_->tree, queries_mm, kNoFacet, closest, cache, work);
-  // The search compares, and nothing compares with NaN: a query that is not finite has no answer.
-  for (std::size_t i = 0; i < queries_mm.size(); ++i)
-    if (!queries_mm[i].allFinite()) {
-      closest[i] = ClosestPoint{};
-      if (!cache.empty()) cache[i] = CertifiedCache{};
-    }
 }
 
 }  // namespace trueblade

@@ -68,8 +68,11 @@ class Measurement {
       for (std::size_t lane = 0; lane < filled; ++lane) {
         const std::uint32_t i = query_[first + lane];
         const FacetRecord& record = tree_.records[place_[first + lane]];
-        const bool closer =
-            squared[lane] < squared_[i] || (squared[lane] == squared_[i] && record.facet < closest_[i].facet);
+        // A distance that is infinite or not a number is none: `found` keeps it from being equal to the
+        // start.
+        const bool found = closest_[i].facet != kNoFacet;
+        const bool closer = squared[lane] < squared_[i] ||
+                            (found && squared[lane] == squared_[i] && record.facet < closest_[i].facet);
         if (!closer) continue;
         squared_[i] = squared[lane];
         closest_[i].point_mm = Vec3(point[0][lane], point[1][lane], point[2][lane]);

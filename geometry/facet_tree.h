@@ -2,12 +2,14 @@
 // Internal to geometry; ClosestPointTree is the way in.
 //
 // Everything in float only excludes: a box or a leaf facet gives a lower bound of the distance that accounts
-// for every rounding error. What is not excluded is measured in double with closest_point_on_facet, so that
-// the answer is the brute force's to the last bit, whatever the tree's shape and the instruction set.
+// for every rounding error. What is not excluded is measured in double, by the same operations on every
+// machine (facet_projection-inl.h), and of equal distances the lower facet number wins. So the answer is a
+// function of the facets and the query alone: not of the tree's shape, the order of the search or the
+// instruction set.
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,7 +20,8 @@ namespace trueblade {
 inline constexpr std::uint32_t kTreeWidth = 8;        // children of a node, facets of a leaf
 inline constexpr std::uint32_t kLeafFlag = 1u << 31;  // in a child number: a leaf, not a node
 
-// Boxes of the children, relative to the tree's centre, in mm, rounded outward.
+// Boxes of the children, relative to the tree's centre, in mm, rounded outward. Unused places have lower >
+// upper.
 struct alignas(64) FacetTreeNode {
   float lower[3][kTreeWidth];
   float upper[3][kTreeWidth];
@@ -50,14 +53,15 @@ struct FacetRecord {
 
 struct FacetTree {
   Vec3 centre_mm = Vec3::Zero();
-  std::vector<FacetTreeNode> nodes;  // nodes[0] is the root
-  std::vector<FacetTreeLeaf> leaves;
-  std::vector<FacetRecord> records;           // by place: leaf * kTreeWidth + lane
+  std::unique_ptr<FacetTreeNode[]> nodes;  // nodes[0] is the root
+  std::unique_ptr<FacetTreeLeaf[]> leaves;
+  std::unique_ptr<FacetRecord[]> records;     // by place: leaf * kTreeWidth + lane
   std::vector<std::uint32_t> place_of_facet;  // kNoFacet for facets outside the selection
 };
 
-// Built over the listed facets. Throws InputError when none is listed, a number is out of range or listed
-// twice, or the model is larger than float boxes can hold (1e15 mm).
+// Built over the listed facets, by any number of threads. Throws InputError when none is listed, a number is
+// out of range or listed twice, or a coordinate is beyond 1e15 mm, where squares would leave the range of
+// float.
 FacetTree build_facet_tree(const FacetModel& model, std::span<const std::uint32_t> facets);
 
 }  // namespace trueblade

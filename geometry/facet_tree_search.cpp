@@ -129,7 +129,8 @@ HWY_ATTR void search(const Block& block, const OpenQuery* open, std::size_t coun
         upper = high;
       }
       const auto radius = static_cast<float>(0.5 * (upper - lower).norm()) * (1.0F + kSquareError);
-      if (size >= kLeastGroup &&
+      // A query that is not finite makes no ball: it goes alone.
+      if (size >= kLeastGroup && std::isfinite(radius) &&
           search_group<kCertify>(block, open + first, size, {0.5 * (lower + upper), radius})) {
         first += size;
         continue;

@@ -244,29 +244,33 @@ TEST(ClosestPointTree, SearchesTheSelectedFacetsOnly) {
   }
 }
 
+// Nor does it disturb the neighbours that are searched with it, whichever coordinate of whichever query it
+// is.
 TEST(ClosestPointTree, AQueryThatIsNotFiniteHasNoClosestPoint) {
   const FacetModel model = build_facet_model(shapes::sphere(40.0, 3), 0.0).model;
   const ClosestPointTree tree(model);
   const double infinite = std::numeric_limits<double>::infinity();
-  std::vector<Vec3> queries(40, Vec3(40.0, 1.0, 1.0));
-  const std::vector<ClosestPoint> good = cold_answers(tree, queries);
-  queries[0] = Vec3::Constant(std::nan(""));
-  queries[17] = Vec3(40.0, std::nan(""), 1.0);
-  queries[23] = Vec3(40.0, infinite, -infinite);
-  std::vector<CertifiedCache> cache(queries.size());
-  std::vector<ClosestPoint> closest(queries.size());
-  ClosestPointWork work;
-  for (int round = 0; round < 2; ++round) {
-    tree.query(queries, closest, cache, work);
-    for (std::size_t i = 0; i < queries.size(); ++i) {
-      if (queries[i].allFinite()) {
-        EXPECT_TRUE(same_bits(closest[i], good[i]));
-      } else {
-        EXPECT_EQ(closest[i].facet, kNoFacet);
-        EXPECT_EQ(closest[i].distance_mm, infinite);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 40; ++i) points.push_back(Vec3(40.0, 1.0, 0.01 * i));
+  const std::vector<ClosestPoint> good = cold_answers(tree, points);
+  for (const std::size_t bad : {0U, 3U, 20U, 39U})
+    for (const double value : {std::nan(""), infinite, -infinite})
+      for (int axes = 1; axes < 8; ++axes) {
+        std::vector<Vec3> queries = points;
+        for (int axis = 0; axis < 3; ++axis)
+          if (axes >> axis & 1) queries[bad][axis] = value;
+        std::vector<CertifiedCache> cache(queries.size());
+        std::vector<ClosestPoint> closest(queries.size());
+        ClosestPointWork work;
+        for (int round = 0; round < 2; ++round) {
+          tree.query(queries, closest, cache, work);
+          for (std::size_t i = 0; i < queries.size(); ++i)
+            EXPECT_TRUE(i == bad || same_bits(closest[i], good[i]));
+          EXPECT_EQ(closest[bad].facet, kNoFacet);
+          EXPECT_EQ(closest[bad].distance_mm, infinite);
+        }
+        EXPECT_EQ(tree.query(queries[bad]).facet, kNoFacet);
       }
-    }
-  }
 }
 
 TEST(ClosestPointTree, RefusesWrongSelections) {
