@@ -67,7 +67,8 @@ double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm,
 }
 
 double signal_to_noise(const SensorModel& model, double signal) {
-  return signal > 0.0 ? signal / (signal + model.noise_to_signal) : 0.0;
+  const double power = signal * signal;
+  return power > 0.0 ? power / (power + model.noise_to_signal * model.noise_to_signal) : 0.0;
 }
 
 double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_rad) {

@@ -9,13 +9,14 @@
 // light returns along the beam, so that the specular lobe is left at twice the incidence. From the signal
 // follow
 //
-//   SNR   = signal / (signal + noise_to_signal)
+//   SNR   = signal^2 / (signal^2 + noise_to_signal^2)
 //   sigma = noise_scale * sqrt((accuracy / signal)^2 + (spot_noise * spot diameter * tan(incidence))^2)
 //
-// A detector-limited sensor has sigma inversely proportional to its signal, so that the SNR tells how good a
-// point is, and weights made of it are worth having. The constant in exp() makes the root mean square of the
-// distance error equal to the lens's accuracy at normal incidence in the middle of the range. These are
-// stated assumptions of ours, not data of a maker; docs/machine.md plots them.
+// A detector-limited sensor has sigma inversely proportional to its signal, so that SNR / (1 - SNR), a ratio
+// of powers, is inversely proportional to the variance: the SNR tells how good a point is, and weights made
+// of it are worth having. The constant in exp() makes the root mean square of the distance error equal to the
+// lens's accuracy at normal incidence in the middle of the range. These are stated assumptions of ours, not
+// data of a maker; docs/machine.md plots them.
 #pragma once
 
 #include <cstdint>
@@ -41,7 +42,7 @@ struct SensorModel {
   double speckle = 0.2;               // standard deviation of the signal's logarithm
   double spot_noise = 0.05;           // distance noise per spot diameter of depth under the spot
   double low_signal_snr = 0.5;        // below: flagged low_signal
-  double missed_snr = 0.1;            // below: no return
+  double missed_snr = 0.02;           // below: no return
   double spot_scale = 1.0;            // of the lens's spot diameter where the spot covers an edge; 0: a point
   double exposure_s = 0.0005;         // the reading averages over the motion during this time
   double contrast_depth_mm = 0.02;    // spread of range under the spot that halves the fringe contrast

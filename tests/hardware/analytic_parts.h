@@ -64,4 +64,23 @@ inline Part sphere(double radius_mm, std::uint32_t rings = 60) {
   return part_of(soup);
 }
 
+// A plate facing +y at y = 0 (surface 0), 40 x 40 mm, on which a wall of 1 mm stands at x = 10 to 11 (surface
+// 1).
+inline Part plate_with_wall(double wall_height_mm) {
+  FacetSoup soup;
+  const auto quad = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, std::uint32_t surface) {
+    const auto n = static_cast<std::uint32_t>(soup.nodes_mm.size());
+    soup.nodes_mm.insert(soup.nodes_mm.end(), {a, b, c, d});
+    soup.facets.push_back({n, n + 1, n + 2});
+    soup.facets.push_back({n, n + 2, n + 3});
+    soup.surface_of_facet.insert(soup.surface_of_facet.end(), 2, surface);
+  };
+  const double h = wall_height_mm;
+  quad({-20, 0, -20}, {-20, 0, 20}, {20, 0, 20}, {20, 0, -20}, 0);
+  quad({10, 0, -20}, {10, 0, 20}, {10, h, 20}, {10, h, -20}, 1);  // faces -x
+  quad({11, 0, -20}, {11, h, -20}, {11, h, 20}, {11, 0, 20}, 1);  // faces +x
+  quad({10, h, -20}, {10, h, 20}, {11, h, 20}, {11, h, -20}, 1);  // top
+  return part_of(soup, 2);
+}
+
 }  // namespace trueblade::testing

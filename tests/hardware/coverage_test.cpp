@@ -58,26 +58,8 @@ TEST(Coverage, OfASphereTheCapWithinTheIncidenceLimitIsSeen) {
   EXPECT_EQ(share(PointAccess::hidden), 0.0);
 }
 
-// A box-like groove: a plate with a wall standing on it towards the sensor on one side.
-Part plate_with_wall(double wall_height_mm) {
-  FacetSoup soup;
-  const auto quad = [&](const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d, std::uint32_t surface) {
-    const auto n = static_cast<std::uint32_t>(soup.nodes_mm.size());
-    soup.nodes_mm.insert(soup.nodes_mm.end(), {a, b, c, d});
-    soup.facets.push_back({n, n + 1, n + 2});
-    soup.facets.push_back({n, n + 2, n + 3});
-    soup.surface_of_facet.insert(soup.surface_of_facet.end(), 2, surface);
-  };
-  quad({-20, 0, -20}, {-20, 0, 20}, {20, 0, 20}, {20, 0, -20}, 0);  // faces +y
-  const double h = wall_height_mm;
-  quad({10, 0, -20}, {10, 0, 20}, {10, h, 20}, {10, h, -20}, 1);  // faces -x
-  quad({11, 0, -20}, {11, h, -20}, {11, h, 20}, {11, 0, 20}, 1);  // faces +x
-  quad({10, h, -20}, {10, h, 20}, {11, h, 20}, {11, h, -20}, 1);  // top
-  return testing::part_of(soup, 2);
-}
-
 TEST(PointAccess, EachReasonIsFoundWhereItHolds) {
-  const Part part = plate_with_wall(30.0);
+  const Part part = testing::plate_with_wall(30.0);
   const RayCaster caster(part.model);
   const ProbeBody body{.radius_mm = 4.0, .length_mm = 100.0, .aperture_radius_mm = 3.0, .clearance_mm = 0.5};
   const ProbeClearance clearance(part.model, body);
@@ -115,6 +97,27 @@ TEST(PointAccess, InASlotNarrowerThanTheLightMoreThanHalfIsCutOff) {
   const ProbeClearance clearance(part.model, body);
   const AccessCheck access(caster, clearance, standard_lens("25mm"), body, 60.0 * kDegree);
   EXPECT_EQ(access.check({0, 0, 0}, Vec3::UnitY(), -Vec3::UnitY()), PointAccess::beam_blocked);
+}
+
+TEST(ViewAngles, ASphereNeedsThreeViewsAt60Degrees) {
+  // Within 60 degrees of incidence each view sees a cap of 120 degrees of the equator: of candidates 120
+  // degrees apart all three are needed.
+  const Part part = testing::sphere(10.0, 60);
+  const RayCaster caster(part.model);
+  PlanOptions plan;
+  plan.max_incidence_rad = 60.0 * kDegree;
+  ViewAngleOptions options;
+  options.candidate_step_rad = 120.0 * kDegree;
+  options.least_gain = 0.05;
+  const AxisLimits limits{{-500, -500, -500, -10}, {500, 500, 500, 10}};
+  const ViewChoice choice =
+      choose_view_angles({}, standard_lens("25mm"), limits, part, caster, {}, plan, options);
+  ASSERT_EQ(choice.theta_rad.size(), 3u);
+  EXPECT_NEAR(choice.coverage.seen, 0.75, 0.03);  // three caps of a quarter each, touching
+  EXPECT_LE(choice.coverage.seen, choice.coverable);
+  const Coverage again = coverage_of_views({}, standard_lens("25mm"), part, caster, {}, plan,
+                                           choice.theta_rad, options.sample_count);
+  EXPECT_EQ(again.seen, choice.coverage.seen);
 }
 
 TEST(ViewAngles, OnlyAnglesWithinTheTravelAreCandidates) {

@@ -122,6 +122,63 @@ TEST(PlanView, ABeamAlongTheRotaryAxisStillHasARaster) {
   for (const Vec3& point : planned_points(geometry, lens, plan)) EXPECT_GT(point.z(), 0.0);
 }
 
+// All motions of a plan in order: the withdrawn start, ways between lines, lines, retreat.
+std::vector<AxisPositions> all_positions(const ScanPlan& plan) {
+  std::vector<AxisPositions> all;
+  for (const PlannedLine& line : plan.lines) {
+    all.insert(all.end(), line.approach.begin(), line.approach.end());
+    all.insert(all.end(), line.path.begin(), line.path.end());
+  }
+  all.insert(all.end(), plan.retreat.begin(), plan.retreat.end());
+  return all;
+}
+
+TEST(PlanView, TheHousingKeepsItsClearanceOnEveryWay) {
+  // The wall is higher than the standoff, so that the housing must withdraw to get across.
+  const Part part = testing::plate_with_wall(40.0);
+  const RayCaster caster(part.model);
+  MachineGeometry geometry;
+  geometry.rotary_axis_point_mm = {0.0, 10.0, 0.0};
+  PlanOptions options;
+  options.spacing_mm = 1.3;
+  options.probe = {.radius_mm = 3.0, .length_mm = 60.0, .aperture_radius_mm = 1.0, .clearance_mm = 0.5};
+  const ScanPlan plan = plan_view(geometry, standard_lens("25mm"), part, caster, {}, options);
+
+  std::size_t withdrawals = 0;
+  for (const PlannedLine& line : plan.lines) withdrawals += line.approach.size() == 2 ? 1 : 0;
+  EXPECT_GT(withdrawals, 0u);
+  EXPECT_GT(plan.cells[static_cast<std::size_t>(PointAccess::probe_touches)], 0u);
+  EXPECT_EQ(plan.cells[static_cast<std::size_t>(PointAccess::measurable)], plan.point_count());
+
+  // Within the resolution of the march.
+  ProbeBody smaller = options.probe;
+  smaller.clearance_mm -= ProbeClearance::kResolutionMm;
+  const ProbeClearance clearance(part.model, smaller);
+  const auto positions = all_positions(plan);
+  for (std::size_t k = 1; k < positions.size(); ++k) {
+    const Ray from = beam_in_mcs(geometry, positions[k - 1]), to = beam_in_mcs(geometry, positions[k]);
+    EXPECT_TRUE(clearance.way_is_free(from.origin_mm, to.origin_mm, to.direction)) << k;
+  }
+}
+
+TEST(PlanView, AtItsStartAndEndTheTableCanTurn) {
+  const Part part = testing::plate_with_wall(40.0);
+  const RayCaster caster(part.model);
+  MachineGeometry geometry;
+  geometry.rotary_axis_point_mm = {5.0, 10.0, 0.0};
+  PlanOptions options;
+  options.spacing_mm = 5.0;
+  const ScanPlan plan = plan_view(geometry, standard_lens("25mm"), part, caster, {}, options);
+  const ProbeClearance clearance(part.model, options.probe);
+  for (AxisPositions at : {plan.lines.front().approach.front(), plan.retreat.back()})
+    for (double theta = -3.1; theta < 3.2; theta += 0.1) {
+      at.theta_rad = theta;
+      const Ray beam = beam_in_mcs(geometry, at);
+      EXPECT_GE(clearance.spare_mm(beam.origin_mm, beam.direction, 100.0), -ProbeClearance::kResolutionMm)
+          << theta;
+    }
+}
+
 TEST(PlanView, ImpossibleOptionsAreRefusedByName) {
   const Part part = testing::plate(0.0, 10.0);
   const RayCaster caster(part.model);

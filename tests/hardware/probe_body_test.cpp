@@ -51,7 +51,9 @@ TEST(ProbeBody, AWayAcrossASphereIsBlockedAndOneAroundItIsFree) {
   const Part part = testing::sphere(10.0);
   const ProbeClearance clearance(part.model, slim_body());
   EXPECT_FALSE(clearance.way_is_free({-40, 0, 0}, {40, 0, 0}, kBeam));
-  EXPECT_TRUE(clearance.way_is_free({-40, 0, 15.6}, {40, 0, 15.6}, kBeam));
+  // Beside it, the axis reaching from y = -15 to 35: free from 10 + 5.5 mm on.
+  EXPECT_FALSE(clearance.way_is_free({-40, -20, 15.3}, {40, -20, 15.3}, kBeam));
+  EXPECT_TRUE(clearance.way_is_free({-40, -20, 15.6}, {40, -20, 15.6}, kBeam));
   EXPECT_TRUE(clearance.way_is_free({-40, 11, 0}, {40, 11, 0}, kBeam));  // in front of it
   EXPECT_FALSE(clearance.way_is_free({0, 11, 0}, {0, 10, 0}, kBeam));
 }

@@ -22,7 +22,8 @@ TEST(SensorModel, TheBestPlaceHasFullSignalForEveryFinish) {
     model.finish = finish;
     EXPECT_DOUBLE_EQ(mean_signal(model, lens, 0.0, 0.0), 1.0);
   }
-  EXPECT_DOUBLE_EQ(signal_to_noise(SensorModel{}, 1.0), 1.0 / 1.1);
+  EXPECT_DOUBLE_EQ(signal_to_noise(SensorModel{}, 1.0), 1.0 / 1.09);
+  EXPECT_DOUBLE_EQ(signal_to_noise(SensorModel{}, 0.3), 0.5);
 }
 
 TEST(SensorModel, AMattSurfaceFollowsTheCosineAndAPolishedOneFallsFaster) {
@@ -84,9 +85,10 @@ TEST(SensorModel, FlagsFollowRangeIncidenceAndSignal) {
   EXPECT_TRUE(flags_at(0.3501, 0.0).out_of_range);
   EXPECT_TRUE(flags_at(-0.3501, 0.0).out_of_range);
   EXPECT_TRUE(flags_at(0.0, 76.0 * kDegree).missed);  // beyond the lens's 75 degrees
-  // exp(speckle^2) = 1.041 at a deviate of zero: SNR 0.5 is passed where 1.041 cos = 0.1 ... not within 75
-  // degrees for a matt surface (cos = 0.26), but for a polished one beyond 45 degrees (signal below 0.074).
-  EXPECT_FALSE(flags_at(0.0, 74.0 * kDegree).low_signal);
+  // SNR 0.5 is passed where the signal is 0.3, which has a mean deviate of speckle at exp(0.04) cos = 0.3, 73
+  // degrees.
+  EXPECT_FALSE(flags_at(0.0, 72.0 * kDegree).low_signal);
+  EXPECT_TRUE(flags_at(0.0, 74.0 * kDegree).low_signal);
   SensorModel polished;
   polished.finish = polished_finish();
   const ProbeFlags weak = read_sensor(polished, lens, lens.standoff_mm, 60.0 * kDegree, 1.0, 0.0, 0.0).flags;
