@@ -7,6 +7,7 @@
 #include <gp_Pln.hxx>
 #include <numbers>
 
+#include "part/blade_fillet.h"
 #include "part/blade_section.h"
 #include "part/cad_spline.h"
 
@@ -30,7 +31,7 @@ struct Strip {
 // Arcs: a cubic through 6 intervals of at most 15 degrees stays within 4e-7 of the radius.
 std::vector<Strip> strips_of(const TurbineBladeParameters& parameters) {
   constexpr int kArcIntervals = 6;
-  const int side_intervals = 8 * parameters.chordwise_patches;
+  const int side_intervals = 10 * parameters.chordwise_patches;
   return {{"leading_suction", SectionPiece::leading_suction, kArcIntervals, 1, {}, {}},
           {"suction", SectionPiece::suction, side_intervals, parameters.chordwise_patches, {}, {}},
           {"trailing_suction", SectionPiece::trailing_suction, kArcIntervals, 1, {}, {}},
@@ -87,52 +88,6 @@ Handle(Geom_BSplineSurface) airfoil_strip(const Strip& strip, const std::vector<
   return skin(knots, stations_mm, poles);
 }
 
-// The curve parallel to the section curve at `distance_mm` outside it, laid down on the platform; it is
-// sampled where the section curve has its knots and so shares its basis.
-CubicSpline parallel_on_platform(const Handle(Geom_Curve) & section, const std::vector<double>& parameters,
-                                 double distance_mm) {
-  CurveSamples samples{parameters, {}, {}, {}};
-  for (const double u : parameters) {
-    gp_Pnt at;
-    gp_Vec first, second;
-    section->D2(u, at, first, second);
-    const Vec3 by_u = from_gp(first.XYZ());
-    const Vec3 tangent = by_u.normalized();
-    const Vec3 tangent_by_u =
-        (from_gp(second.XYZ()) - tangent * tangent.dot(from_gp(second.XYZ()))) / by_u.norm();
-    const auto left_of = [](const Vec3& v) {
-      return Vec3(-v.y(), v.x(), 0.0);
-    };  // outside: it runs clockwise
-    const Vec3 point = from_gp(at.XYZ()) + distance_mm * left_of(tangent);
-    samples.points.emplace_back(point.x(), point.y(), 0.0);
-    const Vec3 derivative = by_u + distance_mm * left_of(tangent_by_u);
-    if (u == parameters.front()) samples.first_derivative = derivative;
-    if (u == parameters.back()) samples.last_derivative = derivative;
-  }
-  return complete_spline(samples);
-}
-
-// A quarter circle of the fillet's radius as one cubic across, from the platform (v = 0) to the airfoil
-// (v = 1). It leaves the platform within its plane and meets the airfoil along the airfoil's own tangents, so
-// both joints are smooth.
-Handle(Geom_BSplineSurface)
-    fillet_strip(const Handle(Geom_BSplineSurface) & airfoil, int samples, double radius_mm) {
-  // Handle length of the cubic that passes through the middle of the arc; its radius is then right to 2.7e-4.
-  const double handle = 4.0 / 3.0 * (std::numbers::sqrt2 - 1.0);
-  const Handle(Geom_Curve) border = airfoil->VIso(radius_mm);
-  const auto parameters = equally_spaced(0.0, 1.0, samples);
-  const CubicSpline outer = parallel_on_platform(border, parameters, radius_mm);
-  const CubicSpline inner = parallel_on_platform(border, parameters, (1.0 - handle) * radius_mm);
-  std::vector<Vec3> below_border, on_border;
-  for (int u = 1; u <= airfoil->NbUPoles(); ++u) {
-    const Vec3 first = from_gp(airfoil->Pole(u, 1).XYZ()), second = from_gp(airfoil->Pole(u, 2).XYZ());
-    on_border.push_back(first);
-    below_border.push_back(first - (second - first) * (handle * radius_mm / (second.z() - first.z())));
-  }
-  const std::vector<double> one_cubic = {0, 0, 0, 0, 1, 1, 1, 1};
-  return surface_of(outer.flat_knots, one_cubic, {outer.poles, inner.poles, below_border, on_border});
-}
-
 TopoDS_Edge edge_at(const Handle(Geom_BSplineSurface) & patch, double v) {
   return BRepBuilderAPI_MakeEdge(patch->VIso(v));
 }
@@ -187,7 +142,7 @@ BladeAirfoil blade_airfoil_faces(const TurbineBladeParameters& parameters) {
   std::vector<Strip> strips = strips_of(parameters);
   for (Strip& strip : strips) {
     strip.airfoil = airfoil_strip(strip, stations_mm, sections);
-    strip.fillet = fillet_strip(strip.airfoil, strip.samples, parameters.fillet_radius_mm);
+    strip.fillet = blade_fillet(strip.airfoil, strip.samples, parameters.fillet_radius_mm);
     add_patches(airfoil, strip, parameters, footprint, tip);
   }
   // Both wires run clockwise seen from +z: around a hole of the platform, and around a face that looks down,

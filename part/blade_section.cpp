@@ -117,11 +117,11 @@ Vec2 BladeSection::normal_on(const Disc& disc, double side) const {
          side * std::sqrt(1.0 - disc.radius_by_length * disc.radius_by_length) * left;
 }
 
-// From nose (0) to tail (1): 2.5 times as dense at the nose, where the sides curve most.
+// From nose (0) to tail (1): three times as dense at both ends, where the sides curve or meet the arcs.
 double BladeSection::x_along_side(double along) const {
-  constexpr double kGrading = 0.6;
+  constexpr double kGrading = 0.7;
   const double graded =
-      (1.0 - kGrading) * along + kGrading * (1.0 - std::cos(0.5 * std::numbers::pi * along));
+      (1.0 - kGrading) * along + kGrading * 0.5 * (1.0 - std::cos(std::numbers::pi * along));
   return leading_x_ + (trailing_x_ - leading_x_) * graded;
 }
 

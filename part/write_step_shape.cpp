@@ -1,9 +1,11 @@
 #include "part/write_step_shape.h"
 
 #include <APIHeaderSection_MakeHeader.hxx>
+#include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <STEPConstruct.hxx>
 #include <STEPControl_Writer.hxx>
+#include <StepBasic_Product.hxx>
 #include <StepData_StepModel.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
@@ -29,6 +31,16 @@ void name_faces(const STEPControl_Writer& writer, const CadShape& cad) {
       item->SetName(text(cad.names[i]));
 }
 
+// The writer numbers the products of one process; the same part shall have the same name every time.
+void name_product(const STEPControl_Writer& writer, const std::string& product) {
+  const Handle(Interface_InterfaceModel) model = writer.WS()->Model();
+  for (int i = 1; i <= model->NbEntities(); ++i)
+    if (const auto entity = Handle(StepBasic_Product)::DownCast(model->Value(i)); !entity.IsNull()) {
+      entity->SetId(text(product));
+      entity->SetName(text(product));
+    }
+}
+
 void write_header(const STEPControl_Writer& writer, const std::string& product) {
   APIHeaderSection_MakeHeader header(Handle(StepData_StepModel)::DownCast(writer.WS()->Model()));
   header.SetName(text(product));
@@ -48,8 +60,8 @@ void write_step_shape(const CadShape& cad, const std::string& product,
       STEPControl_Writer writer;
       Interface_Static::SetCVal("write.step.schema", "AP214IS");
       Interface_Static::SetCVal("write.step.unit", "MM");
-      Interface_Static::SetCVal("write.step.product.name", product.c_str());
       writer.Transfer(cad.shape, STEPControl_ManifoldSolidBrep);
+      name_product(writer, product);
       name_faces(writer, cad);
       write_header(writer, product);
       if (writer.Write(temporary.c_str()) != IFSelect_RetDone)

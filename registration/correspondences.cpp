@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
-#include "registration/exact_foot.h"
+#include "part/exact_closest_point.h"
 
 namespace trueblade {
 namespace {
@@ -89,12 +90,12 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
   const std::span<const Vec3> points(result.point_part_mm.data() + begin, count);
   const std::span<ClosestPoint> closest(result.closest.data() + begin, count);
   switch (options_.closest_point.search) {
-    case ClosestPointSearch::exact_tree: {
-      const auto cache =
-          certified_.empty() ? std::span<CertifiedCache>{} : std::span(certified_).subspan(begin, count);
-      target_.tree().query(points, closest, cache, work);
+    case ClosestPointSearch::exact_tree:
+      target_.tree().query(
+          points, closest,
+          certified_.empty() ? std::span<CertifiedCache>{} : std::span(certified_).subspan(begin, count),
+          work);
       break;
-    }
     case ClosestPointSearch::brute_force:
       for (std::size_t i = 0; i < count; ++i)
         closest[i] = closest_point_brute_force(target_.model(), points[i]);
@@ -111,14 +112,14 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
   for (std::size_t i = begin; i < end; ++i) {
     const Vec3& x = result.point_part_mm[i];
     ClosestPoint& foot = result.closest[i];
-    const auto exact = exact_ ? exact_foot(target_.part(), foot, x) : std::nullopt;
+    const auto exact = exact_ ? refine_to_exact(target_.part(), foot, x) : std::nullopt;
     if (exact) {
-      foot.point_mm = exact->point_mm;
-      foot.distance_mm = (x - foot.point_mm).norm();
+      foot.point_mm = exact->foot.point_mm;
+      foot.distance_mm = std::abs(exact->distance_mm);
     }
     result.is_exact[i] = exact.has_value();
     const Vec3 n = foot.distance_mm > kDirectionDistance_mm ? Vec3((x - foot.point_mm) / foot.distance_mm)
-                   : exact                                  ? exact->normal
+                   : exact                                  ? exact->foot.normal
                                                             : target_.model().facet_normal(foot.facet);
     result.distance_mm[i] = n.dot(x - foot.point_mm);
     auto column = result.jacobian.col(static_cast<Eigen::Index>(i));
@@ -130,44 +131,46 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
 
 ClosestPoint CorrespondenceFinder::closest_by_node(const Vec3& point_mm, std::size_t i,
                                                    ClosestPointWork& work) {
-  const NodeSearch& search = target_.node_search();
+  const NodeWalk& walk = target_.node_walk();
   if (!cached_facet_.empty() && cached_facet_[i] != kNoFacet) {
-    if (const auto closest = search.from_cached_facet(cached_facet_[i], point_mm, work)) {
+    if (const auto closest = walk.from_cached_facet(cached_facet_[i], point_mm, work)) {
       ++work.cache_hits;
       cached_facet_[i] = closest->facet;
       return *closest;
     }
   }
-  ClosestPoint closest = search.on_facets_of(nearest_node(point_mm, i, work), point_mm, work);
+  ClosestPoint closest = walk.on_facets_of(nearest_node(point_mm, i, work), point_mm, work);
   if (options_.closest_point.search == ClosestPointSearch::nearest_node_walk)
-    closest = search.walk(closest, point_mm, work);
+    closest = walk.walk(closest, point_mm, work);
   if (!cached_facet_.empty()) cached_facet_[i] = closest.facet;
   return closest;
 }
 
 std::uint32_t CorrespondenceFinder::nearest_node(const Vec3& point_mm, std::size_t i,
                                                  ClosestPointWork& work) {
-  const NodeSearch& search = target_.node_search();
   const auto& options = options_.closest_point;
-  if (five_nodes_.empty() || search.node_count() < 5) {
+  const NodeTree& tree = target_.node_tree(options.node_structure);
+  if (five_nodes_.empty() || tree.node_count() < 5) {
     std::uint32_t node = 0;
-    search.nearest_nodes(point_mm, options.node_structure, options.node_epsilon, {&node, 1});
+    tree.nearest(point_mm, options.node_epsilon, {&node, 1}, work);
     return node;
   }
   FiveNodes& five = five_nodes_[i];
+  const auto distance_to = [&](std::uint32_t node) {
+    return (target_.model().node_mm(node) - point_mm).norm();
+  };
   const auto nearest_of_five = [&] {
-    return *std::min_element(five.node.begin(), five.node.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return search.distance_to_node_mm(a, point_mm) < search.distance_to_node_mm(b, point_mm);
-    });
+    return *std::min_element(five.node.begin(), five.node.end(),
+                             [&](auto a, auto b) { return distance_to(a) < distance_to(b); });
   };
   const std::uint32_t cached = nearest_of_five();
-  if (search.distance_to_node_mm(cached, point_mm) <= five.fifth_mm - (point_mm - five.anchor_mm).norm()) {
+  if (distance_to(cached) <= five.others_mm - (point_mm - five.anchor_mm).norm()) {
     ++work.cache_hits;
     return cached;
   }
-  search.nearest_nodes(point_mm, options.node_structure, options.node_epsilon, five.node);
+  tree.nearest(point_mm, options.node_epsilon, five.node, work);
   five.anchor_mm = point_mm;
-  five.fifth_mm = search.distance_to_node_mm(five.node.back(), point_mm);
+  five.others_mm = distance_to(five.node.back()) / (1.0 + options.node_epsilon);
   return nearest_of_five();
 }
 

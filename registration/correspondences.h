@@ -50,12 +50,12 @@ inline ClosestPointWork& operator+=(ClosestPointWork& sum, const ClosestPointWor
   return sum;
 }
 
-// Simon's cache: the five nearest nodes of a point. While the nearest of them is nearer than the fifth was,
-// less how far the point has moved since, no other node can be nearer.
+// Simon's cache: the five nearest nodes of a point. While the nearest of them is nearer than every other node
+// was, less how far the point has moved since, no other node can be nearer.
 struct FiveNodes {
   std::array<std::uint32_t, 5> node{};
   Vec3 anchor_mm = Vec3::Zero();
-  double fifth_mm = -1.0;  // distance of the fifth from the anchor; negative: empty
+  double others_mm = -1.0;  // distance of every other node from the anchor, at least; negative: empty
 };
 
 // Finds the correspondences of one working scan, pose after pose; keeps the caches between calls.

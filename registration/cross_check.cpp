@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "geometry/parallel.h"
-#include "registration/exact_foot.h"
+#include "part/exact_closest_point.h"
 #include "registration/rotation_jacobian.h"
 
 namespace trueblade {
@@ -94,9 +94,9 @@ class SurfaceDistances : public ceres::CostFunction {
     Vec3 foot = closest.point_mm;
     normal = claim_.target.model().facet_normal(closest.facet);
     if (claim_.exact) {
-      if (const auto exact = exact_foot(claim_.target.part(), closest, x)) {
-        foot = exact->point_mm;
-        normal = exact->normal;
+      if (const auto exact = refine_to_exact(claim_.target.part(), closest, x)) {
+        foot = exact->foot.point_mm;
+        normal = exact->foot.normal;
       }
     }
     const double distance = (x - foot).norm();

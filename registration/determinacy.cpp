@@ -57,7 +57,7 @@ std::string words_for(const Vec6& scaled, const StepFrame& frame) {
 
 SurfaceInformation surface_information(const FacetModel& model, const Correspondences& correspondences,
                                        std::span<const double> weights) {
-  constexpr std::size_t kPoints = 500;
+  constexpr std::size_t kPoints = 250;
   const StepFrame& frame = correspondences.frame;
   const std::size_t stride = std::max<std::size_t>(1, correspondences.size() / kPoints);
   SurfaceInformation result;

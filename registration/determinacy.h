@@ -17,7 +17,7 @@ struct Determinacy {
 
 // What the surface tells about the pose, per point: the mean of J J' over the points with weight, with the
 // normals of the smooth surface behind the facets (facets alone would stop a cylinder from turning). It is
-// computed from at most 500 points, every n-th.
+// computed from about 250 points, every n-th.
 struct SurfaceInformation {
   Mat6 per_point = Mat6::Zero();  // scaled tangent
   // Below this, information may be an artefact of the facets: the interpolated normals err to second order in

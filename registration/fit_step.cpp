@@ -4,20 +4,25 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/parallel.h"
 #include "geometry/random.h"
 
 namespace trueblade {
 namespace {
 
+constexpr std::size_t kBlock = 4096;
 constexpr int kConcentrationSteps = 10;  // the set of trusted points repeats long before
 constexpr int kSubsets = 200;  // one in four subsets of six is clean among 20 % outliers: 1e-25 that none is
 
 // distance + J . step, for all points.
 std::vector<double> residuals_after(const Correspondences& c, const Vec6& step) {
   std::vector<double> residual(c.size());
-  Eigen::Map<Eigen::VectorXd> after(residual.data(), static_cast<Eigen::Index>(residual.size()));
-  after = Eigen::Map<const Eigen::VectorXd>(c.distance_mm.data(), after.size());
-  after.noalias() += c.jacobian.transpose() * step;
+  parallel_for_blocks(c.size(), kBlock, [&](std::size_t begin, std::size_t end) {
+    const double* j = c.jacobian.data() + 6 * begin;
+    for (std::size_t i = begin; i < end; ++i, j += 6)
+      residual[i] = c.distance_mm[i] + j[0] * step[0] + j[1] * step[1] + j[2] * step[2] + j[3] * step[3] +
+                    j[4] * step[4] + j[5] * step[5];
+  });
   return residual;
 }
 
@@ -58,14 +63,20 @@ double truncated_objective(const Regression& r, std::span<const double> base, do
   return sum;
 }
 
+std::size_t selected(std::span<const double> weights) {
+  return static_cast<std::size_t>(
+      std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0.0; }));
+}
+
 StepFit consistent_fit(const Correspondences& c, std::span<const double> base,
                        const RejectionOptions& options, const FreeDirections& free, double floor_mm,
-                       std::span<double> weights) {
-  Regression best = concentrate(c, base, options, free, floor_mm, {base.begin(), base.end()});
-  // The second start can only differ where something was rejected.
-  if (!same_selection(best.weights, base)) {
-    std::vector<double> near(base.size());
-    apply_rejection(options, c.distance_mm, base, floor_mm, near);
+                       bool settled, std::span<double> weights) {
+  std::vector<double> near(base.size());
+  apply_rejection(options, c.distance_mm, base, floor_mm, near);
+  Regression best = settled ? concentrate(c, base, options, free, floor_mm, near)
+                            : concentrate(c, base, options, free, floor_mm, {base.begin(), base.end()});
+  // Fewer than one in a hundred cannot have carried the other start away.
+  if (!settled && 100 * selected(best.weights) < 99 * selected(base)) {
     Regression other = concentrate(c, base, options, free, floor_mm, std::move(near));
     const double cut = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
     if (truncated_objective(other, base, cut) < truncated_objective(best, base, cut)) best = std::move(other);
@@ -116,10 +127,10 @@ StepFit least_median_fit(const Correspondences& c, std::span<const double> base,
 }  // namespace
 
 StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
-                 const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                 const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
                  std::span<double> weights) {
   if (options.rule == RejectionRule::consistent_cut)
-    return consistent_fit(correspondences, base, options, free, floor_mm, weights);
+    return consistent_fit(correspondences, base, options, free, floor_mm, settled, weights);
   if (options.rule == RejectionRule::least_median_of_squares)
     return least_median_fit(correspondences, base, options, free, floor_mm, weights);
   StepFit fit;

@@ -18,12 +18,14 @@ struct StepFit {
 // scan is misplaced (the platform of a blade, when the scan is too high). The residual at the present pose
 // cannot tell these apart, the residual after the best step can. The consistent cut therefore alternates
 // between the step for the trusted points and the points that the step explains within the cut
-// (concentration steps, Rousseeuw and Van Driessen 1999), once starting from all points and once from those
-// that are near now; the start that leaves the lower truncated objective wins. The least-median rule takes
-// the best of 200 steps through six random points each. Both need no new closest points. The other rules
-// judge the residuals as they are.
+// (concentration steps, Rousseeuw and Van Driessen 1999), once starting from all points and, where that
+// rejects more than 1 %, once from those that are near now; the start that leaves the lower truncated
+// objective wins. When the pose has `settled` (the last step was small against sigma) the present residuals
+// do tell the outliers apart, and the points that are near now are the only start. The least-median rule
+// takes the best of 200 steps through six random points each. Neither needs new closest points. The other
+// rules judge the residuals as they are.
 StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
-                 const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                 const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
                  std::span<double> weights);
 
 }  // namespace trueblade

@@ -67,8 +67,10 @@ class Iteration {
       record(*step);
       if (state_.iterations >= options_.termination.maximum_iterations) return Termination::iteration_limit;
       const auto reason = reason_to_stop(*step);
-      const bool near = goal == IterationGoal::near_the_minimum && largest_motion_mm(*step) <= near_mm();
-      if ((reason || near) && !more_is_undetermined()) {
+      state_.settled =
+          largest_motion_mm(*step) <= options_.sampling.until_step_sigma * state_.fit.scale.sigma_mm;
+      const bool near = goal == IterationGoal::near_the_minimum && state_.settled;
+      if (near || (reason && !more_is_undetermined())) {
         state_.part_from_mcs = step->to;  // by the criterion it hardly differs
         return reason;
       }
@@ -127,7 +129,7 @@ class Iteration {
   // again only before the end.
   void split_directions_here() {
     const FreeDirections free = problem_.motion.directions(state_.part_from_mcs, correspondences().frame);
-    if (asked_ && all_determined_) {
+    if (state_.asked_what_is_determined && state_.all_determined) {
       state_.determined = free;
       return;
     }
@@ -136,21 +138,21 @@ class Iteration {
     const Determinacy determinacy = split_directions(information, free, problem_.frozen);
     state_.determined = determinacy.determined;
     state_.undetermined = determinacy.undetermined;
-    asked_ = true;
-    all_determined_ = determinacy.undetermined.cols() == 0;
+    state_.asked_what_is_determined = true;
+    state_.all_determined = determinacy.undetermined.cols() == 0;
   }
 
   bool more_is_undetermined() {
-    if (!all_determined_) return false;
-    asked_ = false;
+    if (!state_.all_determined) return false;
+    state_.asked_what_is_determined = false;
     split_directions_here();
-    return !all_determined_;
+    return !state_.all_determined;
   }
 
   std::optional<Trial> next_step() {
     split_directions_here();
     state_.fit = fit_step(correspondences(), state_.base, options_.rejection, state_.determined,
-                          problem_.floor_mm, state_.weights);
+                          problem_.floor_mm, state_.settled, state_.weights);
     const NormalEquations& equations = state_.fit.equations;
     if (equations.count < std::max<std::size_t>(3, static_cast<std::size_t>(state_.determined.cols())))
       return std::nullopt;
@@ -208,7 +210,6 @@ class Iteration {
     return step.step_scaled.tail<3>().norm() +
            step.step_scaled.head<3>().norm() * problem_.extent.maximum_radius_mm / problem_.extent.radius_mm;
   }
-  double near_mm() const { return options_.sampling.until_step_sigma * state_.fit.scale.sigma_mm; }
 
   // sqrt(step' H step / (6 sigma^2)), H per unit of mean weight.
   double statistical_length(const Trial& step) const {
@@ -250,7 +251,6 @@ class Iteration {
   std::optional<Trial> trial_;
   std::optional<double> previous_rms_mm_;
   double weighted_squares_at_from_ = 0.0;
-  bool asked_ = false, all_determined_ = false;
 };
 
 }  // namespace

@@ -30,7 +30,10 @@ struct RegistrationState {
   std::vector<double> weights;  // after it
   StepFit fit;
   FreeDirections determined, undetermined;
-  int iterations = 0;  // steps tried
+  bool asked_what_is_determined = false;  // determinacy.h, at some pose before; then:
+  bool all_determined = false;
+  bool settled = false;  // the last step moved no point by more than options.sampling.until_step_sigma
+  int iterations = 0;    // steps tried
   std::vector<IterationTrace> trace;
   ClosestPointWork work;
   double first_rms_mm = 0.0;  // unweighted, all eligible points, at the first pose

@@ -7,28 +7,17 @@
 namespace trueblade {
 namespace {
 
-// Twice the area vector of a facet, and its angle at `node`.
-struct FacetAtNode {
-  Vec3 normal;
-  double angle_rad;
-};
-
-FacetAtNode facet_at_node(const FacetModel& model, std::uint32_t facet, std::uint32_t node) {
-  const auto& nodes = model.facet_nodes(facet);
-  const auto corner = model.corners_mm(facet);
-  const std::size_t k = nodes[0] == node ? 0 : nodes[1] == node ? 1 : 2;
-  const Vec3 a = corner[(k + 1) % 3] - corner[k], b = corner[(k + 2) % 3] - corner[k];
-  const Vec3 area = a.cross(b);
-  return {area.normalized(), std::atan2(area.norm(), a.dot(b))};
-}
-
 Vec3 corner_normal(const FacetModel& model, std::uint32_t node, const Vec3& facet_normal) {
   const double least_cosine = std::cos(kCreaseAngleRad);
+  const Vec3 here = model.node_mm(node);
   Vec3 sum = Vec3::Zero();
-  const OpenMesh::VertexHandle handle(static_cast<int>(node));
-  for (auto f = model.mesh().cvf_begin(handle); f != model.mesh().cvf_end(handle); ++f) {
-    const FacetAtNode neighbour = facet_at_node(model, static_cast<std::uint32_t>(f->idx()), node);
-    if (neighbour.normal.dot(facet_normal) >= least_cosine) sum += neighbour.angle_rad * neighbour.normal;
+  for (const auto face : model.mesh().vf_range(OpenMesh::VertexHandle(static_cast<int>(node)))) {
+    const auto& nodes = model.facet_nodes(static_cast<std::uint32_t>(face.idx()));
+    const std::size_t k = nodes[0] == node ? 0 : nodes[1] == node ? 1 : 2;
+    const Vec3 a = model.node_mm(nodes[(k + 1) % 3]) - here, b = model.node_mm(nodes[(k + 2) % 3]) - here;
+    const Vec3 area = a.cross(b);
+    if (area.dot(facet_normal) >= least_cosine * area.norm())
+      sum += area / (a.squaredNorm() * b.squaredNorm());
   }
   return sum.normalized();
 }

@@ -4,16 +4,33 @@
 #include <optional>
 
 namespace trueblade {
+namespace {
+
+// A structure that is built at its first use.
+template <class Structure>
+class Lazy {
+ public:
+  template <class... Arguments>
+  const Structure& get(Arguments&&... arguments) {
+    std::call_once(once_, [&] { structure_.emplace(arguments...); });
+    return *structure_;
+  }
+
+ private:
+  std::once_flag once_;
+  std::optional<Structure> structure_;
+};
+
+}  // namespace
 
 struct RegistrationTarget::Impl {
   explicit Impl(const Part& nominal) : part(nominal), tree(nominal.model) {}
 
   const Part& part;
   ClosestPointTree tree;
-  std::once_flag pseudo_normals_once;
-  std::optional<PseudoNormals> pseudo_normals;
-  std::once_flag node_search_once;
-  std::optional<NodeSearch> node_search;
+  Lazy<PseudoNormals> pseudo_normals;
+  Lazy<NodeTree> box_decomposition_tree, kd_tree;
+  Lazy<NodeWalk> node_walk;
 };
 
 RegistrationTarget::RegistrationTarget(const Part& part) : impl_(std::make_unique<Impl>(part)) {}
@@ -29,13 +46,17 @@ const ClosestPointTree& RegistrationTarget::tree() const {
 }
 
 const PseudoNormals& RegistrationTarget::pseudo_normals() const {
-  std::call_once(impl_->pseudo_normals_once, [this] { impl_->pseudo_normals.emplace(impl_->part.model); });
-  return *impl_->pseudo_normals;
+  return impl_->pseudo_normals.get(impl_->part.model);
 }
 
-const NodeSearch& RegistrationTarget::node_search() const {
-  std::call_once(impl_->node_search_once, [this] { impl_->node_search.emplace(impl_->part.model); });
-  return *impl_->node_search;
+const NodeTree& RegistrationTarget::node_tree(NodeStructure structure) const {
+  return structure == NodeStructure::kd_tree
+             ? impl_->kd_tree.get(impl_->part.model, NodeTreeKind::kd)
+             : impl_->box_decomposition_tree.get(impl_->part.model, NodeTreeKind::box_decomposition);
+}
+
+const NodeWalk& RegistrationTarget::node_walk() const {
+  return impl_->node_walk.get(impl_->part.model);
 }
 
 }  // namespace trueblade

@@ -4,9 +4,11 @@
 #include <memory>
 
 #include "geometry/closest_point_tree.h"
+#include "geometry/node_tree.h"
+#include "geometry/node_walk.h"
 #include "geometry/pseudo_normals.h"
 #include "part/part.h"
-#include "registration/node_search.h"
+#include "registration/options.h"
 
 namespace trueblade {
 
@@ -24,7 +26,8 @@ class RegistrationTarget {
   const FacetModel& model() const { return part().model; }
   const ClosestPointTree& tree() const;
   const PseudoNormals& pseudo_normals() const;
-  const NodeSearch& node_search() const;
+  const NodeTree& node_tree(NodeStructure structure) const;
+  const NodeWalk& node_walk() const;
 
  private:
   struct Impl;

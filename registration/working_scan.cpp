@@ -5,9 +5,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "geometry/error.h"
+#include "geometry/spatial_order.h"
 
 namespace trueblade {
 namespace {
@@ -36,34 +36,6 @@ void check_not_collinear(const WorkingScan& scan, const ScanExtent& extent) {
   // ten times as large as the extent.
   if (!(spread[1] > 1e-12 * spread[2]))
     throw InputError("the scan points lie on one line; at least three non-collinear points are needed");
-}
-
-// The points along a space-filling (Z-order) curve through their bounding box.
-std::vector<std::uint32_t> spatial_order(const std::vector<Vec3>& points) {
-  std::vector<std::uint32_t> order(points.size());
-  std::iota(order.begin(), order.end(), 0U);
-  if (points.empty()) return order;
-  Vec3 low = points[0], high = points[0];
-  for (const Vec3& p : points) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double scale = 1023.0 / std::max((high - low).maxCoeff(), 1e-300);
-  const auto spread = [](std::uint32_t v) {
-    v = (v | (v << 16)) & 0x030000FF;
-    v = (v | (v << 8)) & 0x0300F00F;
-    v = (v | (v << 4)) & 0x030C30C3;
-    return (v | (v << 2)) & 0x09249249;
-  };
-  std::vector<std::uint32_t> code(points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec3 cell = (points[i] - low) * scale;
-    code[i] = spread(static_cast<std::uint32_t>(cell.x())) |
-              spread(static_cast<std::uint32_t>(cell.y())) << 1 |
-              spread(static_cast<std::uint32_t>(cell.z())) << 2;
-  }
-  std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return code[a] < code[b]; });
-  return order;
 }
 
 }  // namespace

@@ -5,7 +5,7 @@ trueblade_packages=(
   # tools
   build-essential cmake ninja-build pkg-config git clang-format
   # geometry, search, random numbers, threads
-  libeigen3-dev libopenmesh-dev libembree-dev libtbb-dev librandom123-dev libhwy-dev libann-dev
+  libeigen3-dev libopenmesh-dev libembree-dev libtbb-dev librandom123-dev libhwy-dev
   # CAD files (find_package(OpenCASCADE) wants the headers of all its modules)
   libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev
   libocct-data-exchange-dev libocct-ocaf-dev libocct-visualization-dev

@@ -37,7 +37,7 @@ SurfaceFinish polished_finish();  // nine tenths in a narrow lobe
 struct SensorModel {
   SurfaceFinish finish;
   double noise_scale = 1.0;           // 0: a sensor without distance noise
-  double noise_to_signal = 0.1;       // SNR is 0.91 at the best place
+  double noise_to_signal = 0.3;       // SNR is 0.92 at the best place and 0.5 at a signal of 0.3
   double range_falloff = 0.3;         // of the signal at both ends of the working range
   double speckle = 0.2;               // standard deviation of the signal's logarithm
   double spot_noise = 0.05;           // distance noise per spot diameter of depth under the spot

@@ -180,22 +180,6 @@ TEST(NodeSearch, WalkStaysOnItsShellWhereTheExactTreeCrosses) {
   EXPECT_NEAR(find(part, point, RigidTransform{}).closest[0].distance_mm, 0.5, 1e-14);
 }
 
-TEST(NodeSearch, EveryStructureReturnsANodeWithinItsError) {
-  const Part part = shapes::blade(48, 44);
-  const NodeSearch search(part.model);
-  for (const Vec3& query : points_around(40.0, 300)) {
-    double nearest = 1e300;
-    for (std::uint32_t n = 0; n < part.model.node_count(); ++n)
-      nearest = std::min(nearest, search.distance_to_node_mm(n, query));
-    for (const NodeStructure structure : {NodeStructure::box_decomposition_tree, NodeStructure::kd_tree})
-      for (const double epsilon : {0.0, 0.1, 1.0}) {
-        std::uint32_t node = 0;
-        search.nearest_nodes(query, structure, epsilon, {&node, 1});
-        EXPECT_LE(search.distance_to_node_mm(node, query), (1.0 + epsilon) * nearest * (1.0 + 1e-12));
-      }
-  }
-}
-
 // The caches answer part of the queries while the points move, and what they answer is on the part: at least
 // the true distance away, and mostly just that.
 TEST(NodeSearch, CachesAnswerWithoutLosingTheSurface) {

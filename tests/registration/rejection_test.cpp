@@ -122,7 +122,7 @@ TEST(FitStep, LeastMedianFindsTheStepBehindFortyPercentOneSidedOutliers) {
   options.rule = RejectionRule::least_median_of_squares;
   const std::vector<double> base(c.size(), 1.0);
   std::vector<double> weights(c.size());
-  const StepFit fit = fit_step(c, base, options, FreeDirections::Identity(6, 6), 1e-12, weights);
+  const StepFit fit = fit_step(c, base, options, FreeDirections::Identity(6, 6), 1e-12, false, weights);
   EXPECT_LT((fit.step_scaled - step).norm(), 1e-9);
   EXPECT_EQ(kept(weights), 600U);
 }
@@ -134,7 +134,8 @@ TEST(FitStep, PointsThatTheStepExplainsAreNoOutliers) {
   std::vector<double> base(c.size(), 1.0), weights(c.size());
   for (std::size_t i = 2; i < c.size(); i += 3)
     if (i % 60 != 2) base[i] = 0.0;  // 50 of 2,050 points face z
-  const StepFit fit = fit_step(c, base, RejectionOptions{}, FreeDirections::Identity(6, 6), 1e-12, weights);
+  const StepFit fit =
+      fit_step(c, base, RejectionOptions{}, FreeDirections::Identity(6, 6), 1e-12, false, weights);
   EXPECT_NEAR(fit.step_scaled[5], 3.0, 1e-9);
   EXPECT_EQ(kept(weights), 2050U);
 }
