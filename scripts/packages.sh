@@ -44,9 +44,11 @@ install_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q install -y --no-install-recommends "${missing[@]}"
 }
 
-# A compiler cache is used where the machine has one, and is not needed.
+# A compiler cache is used where the machine has one, and is not needed. It cannot answer for precompiled headers, and its
+# answers serve every clone on the machine when paths are taken relative to the clone.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 compiler_cache_options() {
   if command -v ccache >/dev/null; then
-    echo -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache
+    echo -DCMAKE_C_COMPILER_LAUNCHER=ccache -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON
   fi
 }
