@@ -14,6 +14,19 @@ namespace trueblade {
 void parallel_for_blocks(std::size_t count, std::size_t block,
                          const std::function<void(std::size_t begin, std::size_t end)>& fn);
 
+// While one lives, the loops of its thread run on that thread alone, block after block: for work that is
+// itself one of many in an outer parallel loop. Results do not change, by the rule above.
+class SerialLoops {
+ public:
+  SerialLoops();
+  ~SerialLoops();
+  SerialLoops(const SerialLoops&) = delete;
+  SerialLoops& operator=(const SerialLoops&) = delete;
+
+ private:
+  bool before_;
+};
+
 // The sum of partial(begin, end) over those blocks, added to `zero` in block order: floating-point addition
 // is not associative, so that only a fixed order gives the same bits on any number of threads. Value needs
 // +=.

@@ -14,6 +14,8 @@ trueblade_packages=(
   # scenarios, reports, command line
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev libopenexr-dev libpng-dev
   libcairo2-dev fonts-dejavu-core
+  # studies: results, plots, more than one machine
+  libsqlite3-dev libjs-chart.js libopenmpi-dev openmpi-bin
   # tests and benchmarks
   libgtest-dev libbenchmark-dev libnanoflann-dev
 )

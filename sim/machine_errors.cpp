@@ -105,6 +105,10 @@ Rng error_stream(ErrorScope scope, std::uint64_t seed, std::uint64_t trial) {
   return Rng(seed, trial, stream_name(scope));
 }
 
+std::uint64_t replicate_start(std::uint32_t replicate) {
+  return std::uint64_t{replicate} << 48;
+}
+
 void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sources, const Rng& stream,
                  std::uint64_t index, ErrorValues& values) {
   Rng rng = stream;
@@ -113,7 +117,8 @@ void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sourc
     const GaussianError& error = errors[source];
     values[source] = error.mean;
     if (error.sigma == 0.0) continue;
-    const std::uint64_t place = index * kPlacesPerIndex + static_cast<std::uint64_t>(source);
+    const std::uint64_t place =
+        replicate_start(error.replicate) + index * kPlacesPerIndex + static_cast<std::uint64_t>(source);
     if (next_place == 0 || place / 4 != next_place / 4) {
       rng = stream.at(place);
       next_place = place;

@@ -24,6 +24,9 @@ struct GaussianError {
   double mean = 0.0;
   double sigma = 0.0;
   ErrorScope scope = ErrorScope::setup;
+  // Which of many independent sequences of draws: variance-based indices draw one source anew and keep the
+  // others as they were.
+  std::uint32_t replicate = 0;
 };
 
 // The numbers key the random stream: append, never reorder.
@@ -132,5 +135,8 @@ void draw_errors(const MachineErrors& errors, ErrorScope scope, std::uint64_t se
 void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sources, const Rng& stream,
                  std::uint64_t index, ErrorValues& values);
 Rng error_stream(ErrorScope scope, std::uint64_t seed, std::uint64_t trial);
+
+// Where a replicate begins in its stream. Replicates are 2^48 draws apart: 4 * 10^12 points of 64 sources.
+std::uint64_t replicate_start(std::uint32_t replicate);
 
 }  // namespace trueblade

@@ -138,9 +138,10 @@ SimulatedMachine::Measured SimulatedMachine::measure(const AxisPositions& encode
                                                      const AxisPositions& velocity_per_s, double time_s,
                                                      std::uint64_t point) const {
   const TrueMachine::Beam beam = true_machine_.beam_at(encoders, velocity_per_s, time_s, point);
-  const ProbeReading probe = read_probe(part_, setup_.sensor, setup_.lens, beam.in_part,
-                                        setup_.sensor.exposure_s * beam.velocity_in_part_mm_per_s,
-                                        sensor_stream_.at(kSensorDrawsPerPoint * point));
+  const ProbeReading probe =
+      read_probe(part_, setup_.sensor, setup_.lens, beam.in_part,
+                 setup_.sensor.exposure_s * beam.velocity_in_part_mm_per_s,
+                 sensor_stream_.at(replicate_start(setup_.sensor_replicate) + kSensorDrawsPerPoint * point));
   Measured measured{};
   measured.truth = probe.truth;
   measured.sample.axes = encoders;

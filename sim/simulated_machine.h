@@ -32,6 +32,7 @@ struct VirtualSetup {
   SensorModel sensor;
   std::uint64_t seed = 0;
   std::uint64_t trial = 0;
+  std::uint32_t sensor_replicate = 0;  // of the sensor's draws, see GaussianError
 
   void validate() const;  // throws InputError
 };

@@ -1,0 +1,50 @@
+#include "sim/study/run_trials.h"
+
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "geometry/parallel.h"
+
+namespace trueblade {
+
+TrialQueue::TrialQueue(std::vector<TrialRange> ranges, std::uint64_t piece)
+    : ranges_(std::move(ranges)), piece_(piece) {}
+
+std::optional<TrialRange> TrialQueue::next() {
+  const std::lock_guard lock(mutex_);
+  while (at_ < ranges_.size() && ranges_[at_].size() == 0) ++at_;
+  if (at_ == ranges_.size()) return std::nullopt;
+  TrialRange& range = ranges_[at_];
+  const TrialRange taken{range.begin, std::min(range.end, range.begin + piece_)};
+  range.begin = taken.end;
+  return taken;
+}
+
+void run_trials(const NextTrials& next, const TrialFunction& evaluate, const TakeOutcomes& take) {
+  using Outcomes = std::shared_ptr<std::vector<Outcome>>;
+  const auto give = [&](tbb::flow_control& flow) {
+    const auto trials = next();
+    if (!trials) flow.stop();
+    return trials.value_or(TrialRange{});
+  };
+  const auto work = [&](const TrialRange& trials) {
+    const SerialLoops one_thread;
+    auto outcomes = std::make_shared<std::vector<Outcome>>();
+    for (std::uint64_t trial = trials.begin; trial < trials.end; ++trial)
+      for (Outcome& outcome : evaluate(trial)) outcomes->push_back(std::move(outcome));
+    return outcomes;
+  };
+  // Two pieces for each thread: one in work, one finished and waiting to be taken.
+  const auto tokens = 2 * static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  tbb::parallel_pipeline(
+      tokens,
+      tbb::make_filter<void, TrialRange>(tbb::filter_mode::serial_in_order, give) &
+          tbb::make_filter<TrialRange, Outcomes>(tbb::filter_mode::parallel, work) &
+          tbb::make_filter<Outcomes, void>(tbb::filter_mode::serial_out_of_order,
+                                           [&](const Outcomes& outcomes) { take(std::move(*outcomes)); }));
+}
+
+}  // namespace trueblade
