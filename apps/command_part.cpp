@@ -5,12 +5,11 @@
 #include "apps/command.h"
 #include "apps/part_fields.h"
 #include "apps/yaml_reader.h"
+#include "part/part_info.h"
 #include "part/write_mesh.h"
 
 namespace trueblade {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct FileOptions {
   std::string file;
@@ -26,76 +25,6 @@ struct MakeOptions {
   std::filesystem::path out;
 };
 
-Json box_json(const FacetModel& model) {
-  const Vec3 low = model.lower_corner_mm(), high = model.upper_corner_mm();
-  return {{"lower_mm", {low.x(), low.y(), low.z()}}, {"upper_mm", {high.x(), high.y(), high.z()}}};
-}
-
-Json part_json(const Part& part) {
-  const FacetModelReport& report = part.report;
-  return {{"name", part.name},
-          {"surfaces", part.surfaces.size()},
-          {"facets", part.model.facet_count()},
-          {"nodes", part.model.node_count()},
-          {"bounding_box", box_json(part.model)},
-          {"area_mm2", part.model.area_mm2()},
-          {"volume_mm3", report.closed ? Json(part.model.volume_mm3()) : Json(nullptr)},
-          {"closed", report.closed},
-          {"exact_surfaces", part.exact != nullptr},
-          {"shells", report.shells},
-          {"holes", report.holes},
-          {"boundary_edges", report.boundary_edges},
-          {"non_manifold_edges", report.non_manifold_edges},
-          {"inconsistent_edges", report.inconsistent_edges},
-          {"nodes_welded", report.nodes_welded},
-          {"degenerate_removed", report.degenerate_removed},
-          {"duplicate_removed", report.duplicate_removed},
-          {"unused_nodes_removed", report.unused_nodes_removed}};
-}
-
-// "58 b-spline, 44 plane", by falling number.
-std::string surface_kinds(const Part& part) {
-  std::map<std::string, std::size_t> count_of;
-  for (const PartSurface& surface : part.surfaces) ++count_of[surface.kind];
-  std::vector<std::pair<std::size_t, std::string>> kinds;
-  for (const auto& [kind, count] : count_of) kinds.emplace_back(count, kind);
-  std::sort(kinds.rbegin(), kinds.rend());
-  std::string words;
-  for (const auto& [count, kind] : kinds)
-    words += fmt::format("{}{} {}", words.empty() ? "" : ", ", count, kind);
-  return words;
-}
-
-void print_part(const Part& part) {
-  const FacetModel& model = part.model;
-  const FacetModelReport& report = part.report;
-  const Vec3 low = model.lower_corner_mm(), high = model.upper_corner_mm();
-  const Vec3 size = high - low;
-  fmt::print("part          {}\n", part.name);
-  fmt::print("surfaces      {} ({})\n", part.surfaces.size(), surface_kinds(part));
-  fmt::print("facets        {}\n", model.facet_count());
-  fmt::print("nodes         {}\n", model.node_count());
-  fmt::print(
-      "bounding box  {:.3f} x {:.3f} x {:.3f} mm, from ({:.3f}, {:.3f}, {:.3f}) to ({:.3f}, {:.3f}, "
-      "{:.3f})\n",
-      size.x(), size.y(), size.z(), low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
-  fmt::print("area          {:.3f} mm2\n", model.area_mm2());
-  if (report.closed)
-    fmt::print("volume        {:.3f} mm3\n", model.volume_mm3());
-  else
-    fmt::print("volume        none, the part is not closed\n");
-  fmt::print("closed        {}\n", report.closed ? "yes" : "no");
-  fmt::print("shells        {}\n", report.shells);
-  fmt::print(
-      "defects       {} holes ({} boundary edges), {} non-manifold edges, {} edges where the orientation "
-      "disagrees\n",
-      report.holes, report.boundary_edges, report.non_manifold_edges, report.inconsistent_edges);
-  fmt::print(
-      "repaired      {} nodes welded, {} degenerate and {} duplicate facets removed, {} unused nodes "
-      "removed\n",
-      report.nodes_welded, report.degenerate_removed, report.duplicate_removed, report.unused_nodes_removed);
-}
-
 Part read(const FileOptions& options) {
   PartOptions part;
   if (!options.unit.empty()) part.unit = parse_length_unit(options.unit);
@@ -107,11 +36,11 @@ Part read(const FileOptions& options) {
 }
 
 int info(const FileOptions& options, bool json) {
-  const Part part = read(options);
+  const PartInfo facts = part_info(read(options));
   if (json)
-    fmt::print("{}\n", part_json(part).dump(2));
+    fmt::print("{}\n", to_json(facts).dump(2));
   else
-    print_part(part);
+    fmt::print("{}", to_text(facts));
   return ExitCode::done;
 }
 
@@ -119,7 +48,7 @@ int facet(const FileOptions& options, bool json) {
   const Part part = read(options);
   write_mesh(part, options.out);
   if (json)
-    fmt::print("{}\n", part_json(part).dump(2));
+    fmt::print("{}\n", to_json(part_info(part)).dump(2));
   else
     fmt::print("{}: {} facets of {} surfaces -> {}\n", part.name, part.model.facet_count(),
                part.surfaces.size(), options.out.string());
