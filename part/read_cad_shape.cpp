@@ -30,6 +30,7 @@
 #include "part/cad_guard.h"
 #include "part/cad_shape.h"
 #include "part/input_file.h"
+#include "part/loop_side.h"
 
 namespace trueblade {
 
@@ -164,6 +165,7 @@ CadShape read_iges_shape(const std::filesystem::path& file, double sewing_tolera
       throw file_error(file.string(), "is not an IGES file that can be understood");
     cad = transferred(reader);
     require_faces(cad, file);
+    choose_loop_sides(cad.faces, sewing_tolerance_mm);
     sew(cad, sewing_tolerance_mm);
     require_faces(cad, file);
   });

@@ -244,6 +244,15 @@ TEST(ReadCad, RealFilesAreClosedParts) {
   EXPECT_EQ(large.surfaces.size(), 140U);
   EXPECT_TRUE(large.report.closed);
   expect_chord_tolerance(large, 0.05);
+
+  // The same part in IGES, whose loops do not say on which side of them a sphere's face lies. Facets within
+  // 0.05 mm of both may differ by 0.05 mm times the area in volume; the wrong side of one of the 18 loops
+  // would add 200 mm2 of sphere or more, 0.3 % of the area.
+  const Part iges = read_part(folder / "DaimlerChryslerTestPart.igs", coarse);
+  EXPECT_EQ(iges.surfaces.size(), 140U);
+  EXPECT_TRUE(iges.report.closed);
+  EXPECT_NEAR(iges.model.area_mm2(), large.model.area_mm2(), 0.001 * large.model.area_mm2());
+  EXPECT_NEAR(iges.model.volume_mm3(), large.model.volume_mm3(), 0.05 * large.model.area_mm2());
 }
 
 TEST(ReadMesh, RealMeshesHaveTheCountsOfTheirHeaders) {
