@@ -16,6 +16,7 @@ struct InspectOptions {
   std::string scenario;
   std::filesystem::path out;
   std::optional<std::uint64_t> seed;
+  bool resume = false;
 };
 
 bool within_tolerance(const ViewResult& view, const std::pair<double, double>& tolerance_mm) {
@@ -58,7 +59,7 @@ int inspect(const InspectOptions& options, bool json) {
   if (options.seed) scenario.seed = *options.seed;
   const std::filesystem::path folder =
       options.out.empty() ? std::filesystem::path("results/runs") / scenario.name : options.out;
-  const InspectionRun run = inspect_scenario(scenario, folder);
+  const InspectionRun run = inspect_scenario(scenario, folder, options.resume);
 
   if (json) {
     fmt::print("{}\n", result_json(run.result).dump(2));
@@ -83,6 +84,8 @@ void add_inspect_command(CLI::App& app, CommandLine& line) {
   command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
+  command->add_flag("--resume", options->resume,
+                    "Go on with the scan in the folder's journal: what it holds is not measured again");
   command->add_flag("--json", line.json, "Print result.json on standard output instead of the table");
   command->footer(R"(
 Example:

@@ -17,6 +17,7 @@ struct ScanOptions {
   std::string scenario;
   std::filesystem::path out;
   std::optional<std::uint64_t> seed;
+  bool resume = false;
 };
 
 // One view: the file as named. Several: scan.ply becomes scan_front.ply, scan_back.ply ...
@@ -32,8 +33,10 @@ int scan(const ScanOptions& options, bool json) {
   Scenario scenario = read_scenario(options.scenario);
   if (options.seed) scenario.seed = *options.seed;
   const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
-  Measurement measurement(scenario, nominal);
   create_output_folder(std::filesystem::absolute(options.out).parent_path());
+  std::filesystem::path journal = options.out;
+  Measurement measurement(scenario, nominal,
+                          JournalSpec{journal.replace_extension("journal"), options.resume});
 
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const ViewSpec& view : scenario.scan.views) {
@@ -73,6 +76,9 @@ void add_scan_command(CLI::App& app, CommandLine& line) {
   command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
+  command->add_flag(
+      "--resume", options->resume,
+      "Go on with the scan in the journal beside the scan file: what it holds is not measured again");
   command->add_flag("--json", line.json, "Print the list of files as JSON on standard output");
   command->footer(R"(
 Example:

@@ -109,7 +109,8 @@ void write_view(const Folder& folder, const Scenario& scenario, const PartOnMach
 
 }  // namespace
 
-InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Folder>& run_folder) {
+InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Folder>& run_folder,
+                               bool resume) {
   spdlog::info("part {}", title_of(scenario.part));
   const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
   spdlog::info("part has {} surfaces, {} facets", nominal.part->surfaces.size(),
@@ -119,7 +120,9 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
   InspectionRun run;
   run.result.run = run_facts(scenario, *nominal.part);
   const RegistrationTarget target(*nominal.part);
-  Measurement measurement(scenario, nominal);
+  std::optional<JournalSpec> journal;
+  if (run_folder) journal = JournalSpec{*run_folder / "scan.journal", resume};
+  Measurement measurement(scenario, nominal, journal);
   std::vector<FinishedView> views;
   for (const ViewSpec& view : scenario.scan.views) {
     MeasuredView measured = measurement.measure(view);

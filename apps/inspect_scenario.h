@@ -14,10 +14,12 @@ struct InspectionRun {
   bool interrupted = false;  // by Ctrl-C; the views that were finished are in the result
 };
 
-// With `run_folder`, writes resolved.yaml, then scan_<view>.ply as soon as a view is measured, then for each
-// view deviations_<view>.ply, <view>.exr and <view>.png, and last result.json: a folder without it holds no
-// result. The files of an earlier run in the folder are replaced. Throws InputError, MachineFault.
+// With `run_folder`, writes resolved.yaml, the journal of the scan (scan.journal) as it is measured, then
+// scan_<view>.ply as soon as a view is measured, then for each view deviations_<view>.ply, <view>.exr and
+// <view>.png, and last result.json: a folder without it holds no result. The files of an earlier run in the
+// folder are replaced; with `resume`, the scan in its journal is gone on with. Throws InputError,
+// MachineFault.
 InspectionRun inspect_scenario(const Scenario& scenario,
-                               const std::optional<std::filesystem::path>& run_folder);
+                               const std::optional<std::filesystem::path>& run_folder, bool resume = false);
 
 }  // namespace trueblade

@@ -102,13 +102,37 @@ void fields(YamlFields& io, MachineErrors& errors) {
   io.check([&] { errors.validate(); });
 }
 
+void fields(YamlFields& io, LinuxCncSettings& controller) {
+  io.text("host", controller.commands.host);
+  int command_port = controller.commands.port, sample_port = controller.sample_port;
+  io.integer("command_port", command_port, 1, 65535);
+  io.integer("sample_port", sample_port, 1, 65535);
+  controller.commands.port = static_cast<std::uint16_t>(command_port);
+  controller.sample_port = static_cast<std::uint16_t>(sample_port);
+  io.text("connect_password", controller.commands.connect_password);
+  io.text("enable_password", controller.commands.enable_password);
+  io.number("timeout_s", controller.commands.timeout_s);
+  io.number("home_timeout_s", controller.home_timeout_s);
+  io.number("sensor_timeout_s", controller.sensor_timeout_s);
+  io.number("scan_speed_mm_per_s", controller.scan_speed_mm_per_s);
+  io.flag("reset_estop", controller.reset_estop);
+  io.check([&] { controller.validate(); });
+}
+
 }  // namespace
 
-void fields(YamlFields& io, MachineSpec& machine) {
-  constexpr std::pair<std::string_view, std::string_view> kBackends[] = {{"simulated", "simulated"}};
+void fields(YamlFields& io, MachineSpec& machine, const std::filesystem::path& folder) {
+  constexpr std::pair<std::string_view, std::string_view> kBackends[] = {
+      {"simulated", "simulated"}, {"linuxcnc", "linuxcnc"}, {"recorded", "recorded"}};
   std::string_view backend = machine.backend;
   io.choice<std::string_view>("backend", backend, kBackends);
   machine.backend = backend;
+  if (machine.backend == "linuxcnc")
+    io.map("controller", [&](YamlFields& inner) { fields(inner, machine.linuxcnc); });
+  if (machine.backend == "recorded") {
+    io.require("journal");
+    io.path("journal", machine.journal, folder);
+  }
   io.map("lens", [&](YamlFields& inner) { fields(inner, machine.lens); });
   io.map("geometry", [&](YamlFields& inner) { fields(inner, machine.geometry); });
   io.map("travel", [&](YamlFields& travel) {

@@ -2,11 +2,13 @@
 // the set-up, and, for the simulated backend, how far the truth may be from all that.
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "apps/yaml_fields.h"
 #include "hardware/axis_dynamics.h"
 #include "hardware/lens.h"
+#include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/machine_geometry.h"
 #include "sim/form_errors.h"
 #include "sim/machine_errors.h"
@@ -32,8 +34,11 @@ struct MachineSpec {
   AxisDynamics dynamics;
   RigidTransform mcs_from_part;  // the preliminary transformation of the set-up (P12), as the part stands
   SimulationSpec simulation;
+  LinuxCncSettings linuxcnc;
+  std::filesystem::path journal;  // what the backend "recorded" replays
 };
 
-void fields(YamlFields& io, MachineSpec& machine);
+// Paths in the file are relative to `folder`.
+void fields(YamlFields& io, MachineSpec& machine, const std::filesystem::path& folder);
 
 }  // namespace trueblade

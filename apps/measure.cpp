@@ -1,10 +1,16 @@
 #include "apps/measure.h"
 
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "hardware/execute_plan.h"
+#include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/plan_view.h"
-#include "sim/simulated_machine.h"
+#include "hardware/recorded/recorded_machine.h"
 
 namespace trueblade {
 
@@ -13,8 +19,6 @@ PartOnMachine put_on_machine(Part part) {
   auto caster = std::make_shared<const RayCaster>(shared->model);
   return {std::move(shared), std::move(caster)};
 }
-
-namespace {
 
 VirtualSetup virtual_setup(const Scenario& scenario) {
   const MachineSpec& machine = scenario.machine;
@@ -39,18 +43,114 @@ VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal)
                            simulation.form_errors, scenario.seed, kTrial);
 }
 
-}  // namespace
+namespace {
 
-struct Measurement::Backend {
-  SimulatedMachine machine;
+// A machine, and the truth about it where there is one.
+struct Backend {
+  std::unique_ptr<MachineDriver> driver;
+  SimulatedMachine* simulated = nullptr;
 };
 
-Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal)
-    : scenario_(scenario),
-      nominal_(nominal),
-      backend_(new Backend{SimulatedMachine(virtual_part(scenario, nominal), virtual_setup(scenario))}) {}
+Backend make_backend(const Scenario& scenario, const PartOnMachine& nominal) {
+  Backend backend;
+  if (scenario.machine.backend == "recorded") {
+    const std::filesystem::path& file = scenario.machine.journal;
+    backend.driver =
+        std::make_unique<RecordedMachine>(read_journal(file), file.string(), scenario.machine.limits);
+    return backend;
+  }
+  if (scenario.machine.backend == "linuxcnc") {
+    backend.driver = std::make_unique<LinuxCncMachine>(scenario.machine.linuxcnc, scenario.machine.limits,
+                                                       scenario.machine.dynamics);
+    return backend;
+  }
+  auto simulated =
+      std::make_unique<SimulatedMachine>(virtual_part(scenario, nominal), virtual_setup(scenario));
+  backend.simulated = simulated.get();
+  backend.driver = std::move(simulated);
+  return backend;
+}
+
+// A simulated scan is repeated in a moment; what a real machine measured is forced to disk sample by sample.
+JournalWriter::Durability durability_of(const Scenario& scenario) {
+  return scenario.machine.backend == "linuxcnc" ? JournalWriter::Durability::each_sample
+                                                : JournalWriter::Durability::each_view;
+}
+
+void keep_unfinished(const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file)) return;
+  const Journal journal = read_journal(file);
+  const bool finished = std::all_of(journal.views.begin(), journal.views.end(),
+                                    [](const JournalledView& view) { return view.complete; });
+  if (finished) return;
+  const std::filesystem::path old = file.string() + ".old";
+  std::filesystem::rename(file, old);
+  spdlog::info("the unfinished scan of an earlier run is kept as {}", old.string());
+}
+
+}  // namespace
+
+struct Measurement::Session {
+  Backend backend;
+  Journal before;  // what an earlier run measured
+  std::optional<JournalWriter> journal;
+  std::string resume_hint;
+
+  void finish(const std::string& view) {
+    if (!journal) return;
+    for (JournalledView& resumed : before.views) {
+      if (resumed.view != view) continue;
+      if (resumed.complete) return;
+      resumed.complete = true;
+    }
+    journal->end_view();
+  }
+};
+
+Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal,
+                         const std::optional<JournalSpec>& journal)
+    : scenario_(scenario), nominal_(nominal), session_(new Session) {
+  session_->backend = make_backend(scenario, nominal);
+  if (!journal) return;
+  const JournalWriter::Durability durability = durability_of(scenario);
+  if (journal->resume && std::filesystem::exists(journal->file)) {
+    session_->before = read_journal(journal->file);
+    if (session_->before.discarded_bytes > 0)
+      spdlog::warn("{}: the last {} bytes are torn or damaged; what stands before them counts",
+                   journal->file.string(), session_->before.discarded_bytes);
+    session_->journal.emplace(JournalWriter::append(journal->file, session_->before, durability));
+  } else {
+    keep_unfinished(journal->file);
+    session_->journal.emplace(JournalWriter::create(journal->file, durability));
+  }
+  session_->resume_hint = fmt::format("what was measured is in {}; the same command with --resume goes on",
+                                      journal->file.string());
+}
 
 Measurement::~Measurement() = default;
+
+std::vector<ProbeSample> Measurement::measured_before(const ScanPlan& plan) {
+  if (!session_->journal) return {};
+  const JournalledView* before = session_->before.find(plan.view);
+  if (!before) {
+    const auto& views = session_->before.views;
+    if (!views.empty() && !views.back().complete)
+      throw InputError(
+          fmt::format("the journal to be resumed breaks off in view {}, which does not come "
+                      "before view {} in the scenario",
+                      views.back().view, plan.view));
+    session_->journal->begin_view(plan);
+    return {};
+  }
+  if (before->digest != plan_digest(plan))
+    throw InputError(
+        fmt::format("view {}: the journal to be resumed was measured by another plan (part, set-up, spacing "
+                    "or surfaces have changed); without --resume a new scan begins",
+                    plan.view));
+  spdlog::info("view {}: {} of {} samples were measured before", plan.view, before->samples.size(),
+               before->planned);
+  return before->samples;
+}
 
 MeasuredView Measurement::measure(const ViewSpec& view) {
   const MachineSpec& machine = scenario_.machine;
@@ -64,15 +164,30 @@ MeasuredView Measurement::measure(const ViewSpec& view) {
   const ScanPlan plan = plan_view(machine.geometry, machine.lens, *nominal_.part, *nominal_.caster,
                                   machine.mcs_from_part.inverse(), options);
 
-  Progress progress("scan " + view.name);
+  std::optional<JournalWriter>& journal = session_->journal;
   MeasuredView measured;
   measured.planned = plan.point_count();
-  measured.scan =
-      execute_plan(backend_->machine, machine.geometry, plan, [&](std::size_t taken, std::size_t planned) {
-        progress.report(taken, planned);
-        return !interrupted();
-      });
-  measured.true_part_from_mcs = backend_->machine.take_truth().part_from_mcs;
+  ExecutionOptions execution;
+  execution.measured_before = measured_before(plan);
+  if (journal) execution.keep = [&](const ProbeSample& sample) { journal->add(sample); };
+  Progress progress("scan " + view.name);
+  execution.progress = [&](std::size_t taken, std::size_t planned) {
+    progress.report(taken, planned);
+    return !interrupted();
+  };
+  MachineDriver& driver = *session_->backend.driver;
+  try {
+    measured.scan = execute_plan(driver, machine.geometry, plan, execution);
+  } catch (const MachineFault& fault) {
+    if (!journal) throw;
+    if (fault.kind() != MachineFault::Kind::storage) journal->note(fault.what());
+    throw MachineFault(fault.kind(), fmt::format("{}; the machine is {}; {}", fault.what(),
+                                                 to_string(driver.state()), session_->resume_hint));
+  }
+  if (measured.scan.complete) session_->finish(view.name);
+  if (journal && !measured.scan.complete) spdlog::info("{}", session_->resume_hint);
+  if (session_->backend.simulated)
+    measured.true_part_from_mcs = session_->backend.simulated->take_truth().part_from_mcs;
   return measured;
 }
 

@@ -11,19 +11,11 @@ constexpr std::pair<std::string_view, LengthUnit> kUnits[] = {{"mm", LengthUnit:
                                                               {"in", LengthUnit::inch},
                                                               {"um", LengthUnit::micrometre}};
 
-void path(YamlFields& io, std::string_view key, std::filesystem::path& file,
-          const std::filesystem::path& folder) {
-  std::string text = file.string();
-  io.text(key, text);
-  if (text.empty()) return;
-  file = std::filesystem::absolute(folder / text).lexically_normal();
-}
-
 }  // namespace
 
 void fields(YamlFields& io, TurbineBladeParameters& blade, const std::filesystem::path& folder) {
   std::filesystem::path section = blade.section_file;
-  path(io, "section_file", section, folder);
+  io.path("section_file", section, folder);
   blade.section_file = section.string();
   io.number("section_lift_coefficient", blade.section_lift_coefficient);
   io.number("span_mm", blade.span_mm);
@@ -82,7 +74,7 @@ void fields(YamlFields& io, PartSpec& part, const std::filesystem::path& folder)
       io.reading() ? io.present("demonstration") : part.demonstration != Demonstration::none;
   io.fail_unless(has_file != is_demonstration, "part must have either file or demonstration");
   if (has_file) {
-    path(io, "file", part.file, folder);
+    io.path("file", part.file, folder);
     io.choice<LengthUnit>("unit", part.options.unit, kUnits);
   }
   if (is_demonstration) {

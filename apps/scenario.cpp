@@ -73,7 +73,7 @@ void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& fol
   io.integer("seed", scenario.seed, 0, std::numeric_limits<std::uint64_t>::max());
   io.require("part");
   io.map("part", [&](YamlFields& inner) { fields(inner, scenario.part, folder); });
-  io.map("machine", [&](YamlFields& inner) { fields(inner, scenario.machine); });
+  io.map("machine", [&](YamlFields& inner) { fields(inner, scenario.machine, folder); });
   io.require("scan");
   io.map("scan", [&](YamlFields& inner) { fields(inner, scenario.scan); });
   io.map("registration", [&](YamlFields& inner) { fields(inner, scenario.registration); });

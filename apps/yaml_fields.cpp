@@ -159,6 +159,14 @@ bool YamlFields::numbers(std::string_view key, std::span<double> values) {
   return true;
 }
 
+void YamlFields::path(std::string_view key, std::filesystem::path& file,
+                      const std::filesystem::path& folder) {
+  std::string name = file.string();
+  text(key, name);
+  if (name.empty()) return;
+  file = std::filesystem::absolute(folder / name).lexically_normal();
+}
+
 void YamlFields::vector(std::string_view key, Vec3& value) {
   numbers(key, {value.data(), 3});
 }

@@ -14,6 +14,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -72,6 +73,8 @@ class YamlFields {
   void integers(std::string_view key, std::vector<std::uint32_t>& values);
   void flag(std::string_view key, bool& value);
   void text(std::string_view key, std::string& value);
+  // A file; a relative one is relative to `folder`.
+  void path(std::string_view key, std::filesystem::path& file, const std::filesystem::path& folder);
   void vector(std::string_view key, Vec3& value);
   // Three numbers in degrees (key ends in _deg), radians inside.
   void angles(std::string_view key, Vec3& value_rad);

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <numbers>
 
 #include "geometry/error.h"
@@ -31,6 +32,48 @@ void prepare(MachineDriver& driver) {
   if (driver.state() == MachineState::not_homed) driver.home();
 }
 
+// Where in the plan the next sample is taken.
+struct NextSample {
+  std::size_t line = 0, position = 0;
+};
+
+NextSample after(const ScanPlan& plan, std::size_t samples) {
+  NextSample next;
+  for (; next.line < plan.lines.size(); ++next.line) {
+    const std::size_t length = plan.lines[next.line].path.size();
+    if (samples < length) break;
+    samples -= length;
+  }
+  next.position = samples;
+  return next;
+}
+
+// The same rotary angle and place across the beam, but the probe withdrawn along the beam to the depth at
+// which the plan leaves the part.
+AxisPositions withdrawn(const MachineGeometry& geometry, const ScanPlan& plan, const AxisPositions& at) {
+  if (plan.retreat.empty()) return at;
+  Mat3 directions;
+  for (int k = 0; k < 3; ++k) directions.col(k) = geometry.axis_direction[static_cast<std::size_t>(k)];
+  const Vec3 beam = geometry.stage_from_probe_at_zero.rotation * geometry.beam_direction;
+  const auto depth = [&](const AxisPositions& axes) {
+    return beam.dot(directions * Vec3(axes.x_mm, axes.y_mm, axes.z_mm));
+  };
+  const double too_deep_mm = depth(at) - depth(plan.retreat.back());
+  if (too_deep_mm <= 0.0) return at;
+  const Vec3 travel = directions.inverse() * (-too_deep_mm * beam);
+  return {at.x_mm + travel.x(), at.y_mm + travel.y(), at.z_mm + travel.z(), at.theta_rad};
+}
+
+// From wherever the machine stands to where the scan broke off. The last position measured before comes
+// first, so that the next one is passed in the same motion as without the break.
+void go_back_to(MachineDriver& driver, const MachineGeometry& geometry, const ScanPlan& plan,
+                const NextSample& next) {
+  const std::vector<AxisPositions>& path = plan.lines[next.line].path;
+  const AxisPositions& target = path[next.position == 0 ? 0 : next.position - 1];
+  driver.move_through(
+      std::array{withdrawn(geometry, plan, driver.position()), withdrawn(geometry, plan, target), target});
+}
+
 void convert_usable_samples(const MachineGeometry& geometry, ViewScan& scan) {
   for (std::size_t i = 0; i < scan.samples.size(); ++i) {
     const ProbeSample& sample = scan.samples[i];
@@ -58,7 +101,12 @@ void check_travel(const ScanPlan& plan, const AxisLimits& limits) {
 }
 
 ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, const ScanPlan& plan,
-                      const ScanProgress& progress) {
+                      const ExecutionOptions& options) {
+  const std::size_t planned = plan.point_count();
+  const std::size_t before = options.measured_before.size();
+  if (before > planned)
+    throw InputError(fmt::format("view {}: {} samples were measured before, only {} are planned", plan.view,
+                                 before, planned));
   prepare(driver);
   check_travel(plan, driver.limits());
 
@@ -67,25 +115,33 @@ ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, co
   scan.theta_rad = plan.theta_rad;
   scan.columns = plan.columns;
   scan.rows = plan.rows;
-  const std::size_t planned = plan.point_count();
   scan.samples.reserve(planned);
+  scan.samples = options.measured_before;
+  const NextSample next = after(plan, before);
+  if (before > 0) driver.skip_measured({plan.theta_rad, next.line, before});
 
   bool keep_going = true;
   const SampleSink collect = [&](const ProbeSample& sample) {
+    if (options.keep) options.keep(sample);
     scan.samples.push_back(sample);
-    keep_going = !progress || progress(scan.samples.size(), planned);
+    keep_going = !options.progress || options.progress(scan.samples.size(), planned);
     return keep_going;
   };
   try {
-    for (const PlannedLine& line : plan.lines) {
+    for (std::size_t k = next.line; k < plan.lines.size() && keep_going; ++k) {
+      const PlannedLine& line = plan.lines[k];
       if (line.path.empty()) continue;
-      for (const AxisPositions& at : line.approach) driver.move_to(at);
-      driver.move_to(line.path.front());
-      driver.scan_line(line.path, collect);
-      if (!keep_going) break;
+      const bool broken_off = before > 0 && k == next.line;
+      if (broken_off) {
+        go_back_to(driver, geometry, plan, next);
+      } else {
+        std::vector<AxisPositions> way = line.approach;
+        way.push_back(line.path.front());
+        driver.move_through(way);
+      }
+      driver.scan_line(std::span(line.path).subspan(broken_off ? next.position : 0), collect);
     }
-    if (keep_going)
-      for (const AxisPositions& at : plan.retreat) driver.move_to(at);
+    if (keep_going && before < planned) driver.move_through(plan.retreat);
   } catch (...) {
     driver.stop();
     throw;

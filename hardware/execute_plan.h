@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "hardware/machine_driver.h"
 #include "hardware/machine_geometry.h"
@@ -18,10 +19,21 @@ void check_travel(const ScanPlan& plan, const AxisLimits& limits);
 // machine is stopped, and what was measured is kept.
 using ScanProgress = std::function<bool(std::size_t taken, std::size_t planned)>;
 
+struct ExecutionOptions {
+  ScanProgress progress;
+  // Samples of this very plan that an earlier run took, in order: they are not measured again. The machine
+  // withdraws the probe along the beam, from wherever it stands, to the depth of the plan's retreat, goes to
+  // where the scan broke off, and advances along the beam again.
+  std::vector<ProbeSample> measured_before;
+  // Called with every new sample before anything else is done with it. What it throws stops the machine.
+  std::function<void(const ProbeSample&)> keep;
+};
+
 // Connects and homes the machine where that is not yet done, checks the whole plan against its travel limits,
 // and only then moves. Samples become points in the MCS by the nominal `geometry`.
-// Throws InputError (plan outside the limits, nothing has moved) or MachineFault (motion has been stopped).
+// Throws InputError (plan outside the limits, or more samples measured before than planned; nothing has
+// moved) or MachineFault (motion has been stopped).
 ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, const ScanPlan& plan,
-                      const ScanProgress& progress = {});
+                      const ExecutionOptions& options = {});
 
 }  // namespace trueblade

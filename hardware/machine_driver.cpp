@@ -50,6 +50,10 @@ std::string to_string(MachineState state) {
   return "unknown";
 }
 
+void MachineDriver::move_through(std::span<const AxisPositions> way) {
+  for (const AxisPositions& at : way) move_to(at);
+}
+
 MachineFault::MachineFault(Kind kind, const std::string& message)
     : std::runtime_error(message), kind_(kind) {}
 

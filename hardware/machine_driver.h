@@ -60,6 +60,7 @@ class MachineFault : public std::runtime_error {
     following_error,
     sensor,
     protocol,
+    storage,  // the journal cannot be written
     interrupted
   };
   MachineFault(Kind kind, const std::string& message);
@@ -67,6 +68,13 @@ class MachineFault : public std::runtime_error {
 
  private:
   Kind kind_;
+};
+
+// What of a scan was measured before, by an earlier run of the program: it is not measured again.
+struct MeasuredBefore {
+  double theta_rad;     // rotary angle of the view
+  std::size_t lines;    // finished lines
+  std::size_t samples;  // of these and of the line that was broken off
 };
 
 // Receives the samples of a line as they arrive; returning false stops the scan after the sample.
@@ -79,12 +87,17 @@ class MachineDriver {
   virtual void connect() = 0;
   virtual void home() = 0;  // precondition: connected
   virtual void move_to(
-      const AxisPositions& target) = 0;     // precondition: homed and within limits; throws MachineFault
+      const AxisPositions& target) = 0;  // precondition: homed and within limits; throws MachineFault
+  // Through all positions in turn, the straight way from each to the next; the same preconditions.
+  virtual void move_through(std::span<const AxisPositions> way);
   virtual ProbeSample measure_point() = 0;  // at the present position
   // Moves along `path` and takes one sample at each position. Returns the number of samples delivered.
   virtual std::size_t scan_line(std::span<const AxisPositions> path, const SampleSink& sink) = 0;
+  // Advances the machine's running numbers of views, lines and samples as if `before` had been measured now.
+  virtual void skip_measured(const MeasuredBefore& before) = 0;
   virtual void stop() noexcept = 0;  // ends motion at once; safe at any time, from any thread
   virtual MachineState state() const = 0;
+  virtual AxisPositions position() const = 0;  // present one, by the encoders; precondition: connected
   virtual AxisLimits limits() const = 0;
 };
 

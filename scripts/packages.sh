@@ -16,6 +16,8 @@ trueblade_packages=(
   libcairo2-dev fonts-dejavu-core
   # studies: results, plots, more than one machine
   libsqlite3-dev libjs-chart.js libopenmpi-dev openmpi-bin
+  # checksums of journals and sample streams
+  zlib1g-dev
   # tests and benchmarks
   libgtest-dev libbenchmark-dev libnanoflann-dev
 )

@@ -37,6 +37,24 @@ void VirtualSetup::validate() const {
     throw InputError("the travel limits must contain the home position (0 on every axis)");
 }
 
+VirtualMeasurement measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMachine& machine,
+                              const Rng& sensor_stream, const AxisPositions& encoders,
+                              const AxisPositions& velocity_per_s, double time_s, std::uint64_t point) {
+  const TrueMachine::Beam beam = machine.beam_at(encoders, velocity_per_s, time_s, point);
+  const ProbeReading probe = read_probe(
+      part, setup.sensor, setup.lens, beam.in_part, setup.sensor.exposure_s * beam.velocity_in_part_mm_per_s,
+      sensor_stream.at(replicate_start(setup.sensor_replicate) + kSensorDrawsPerPoint * point));
+  VirtualMeasurement measured{};
+  measured.truth = probe.truth;
+  measured.sample.axes = encoders;
+  measured.sample.time_s = time_s;
+  measured.sample.flags = probe.reading.flags;
+  measured.sample.snr = probe.reading.snr;
+  if (probe.reading.flags.usable())
+    measured.sample.distance_mm = probe.reading.distance_mm + beam.distance_error_mm;
+  return measured;
+}
+
 SimulatedMachine::SimulatedMachine(VirtualPart part, VirtualSetup setup)
     : part_(std::move(part)),
       setup_(validated(std::move(setup))),
@@ -76,21 +94,24 @@ void SimulatedMachine::require_within_limits(const AxisPositions& target) const 
                     target.y_mm, target.z_mm, target.theta_rad));
 }
 
+void SimulatedMachine::turn_to(double theta_rad) {
+  // A view begins when the part is turned.
+  if (theta_rad != at_.theta_rad) true_machine_.begin_view(++view_, theta_rad);
+  at_.theta_rad = theta_rad;
+}
+
 void SimulatedMachine::move_to(const AxisPositions& target) {
   require_ready();
   require_within_limits(target);
-  // A view begins when the part is turned.
-  if (target.theta_rad != at_.theta_rad) {
-    true_machine_.begin_view(++view_, target.theta_rad);
-  }
   clock_s_ += move_time_s(setup_.dynamics, at_, target);
+  turn_to(target.theta_rad);
   at_ = target;
 }
 
 ProbeSample SimulatedMachine::measure_point() {
   require_ready();
   clock_s_ += 1.0 / setup_.lens.rate_hz;
-  const Measured measured = measure(at_, AxisPositions{}, clock_s_, point_++);
+  const VirtualMeasurement measured = measure(at_, AxisPositions{}, clock_s_, point_++);
   hits_.push_back(measured.truth);
   return measured.sample;
 }
@@ -109,7 +130,7 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
     velocity[k] = mean_velocity(before, path[k], interval_s);
     time_s[k] = (k == 0 ? clock_s_ : time_s[k - 1]) + interval_s;
   }
-  std::vector<Measured> measured(path.size());
+  std::vector<VirtualMeasurement> measured(path.size());
   parallel_for_blocks(path.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k)
       measured[k] = measure(path[k], velocity[k], time_s[k], point_ + k);
@@ -119,7 +140,7 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
   while (delivered < path.size()) {
     if (state_ != MachineState::idle)
       throw MachineFault(MachineFault::Kind::interrupted, "the machine was stopped during a line");
-    const Measured& m = measured[delivered];
+    const VirtualMeasurement& m = measured[delivered];
     at_ = path[delivered];
     clock_s_ = time_s[delivered];
     hits_.push_back(m.truth);
@@ -130,27 +151,21 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
   return delivered;
 }
 
+void SimulatedMachine::skip_measured(const MeasuredBefore& before) {
+  turn_to(before.theta_rad);
+  line_ += before.lines;
+  point_ += before.samples;
+  hits_.resize(hits_.size() + before.samples);
+}
+
 void SimulatedMachine::stop() noexcept {
   if (state_ == MachineState::idle || state_ == MachineState::moving) state_ = MachineState::stopped;
 }
 
-SimulatedMachine::Measured SimulatedMachine::measure(const AxisPositions& encoders,
-                                                     const AxisPositions& velocity_per_s, double time_s,
-                                                     std::uint64_t point) const {
-  const TrueMachine::Beam beam = true_machine_.beam_at(encoders, velocity_per_s, time_s, point);
-  const ProbeReading probe =
-      read_probe(part_, setup_.sensor, setup_.lens, beam.in_part,
-                 setup_.sensor.exposure_s * beam.velocity_in_part_mm_per_s,
-                 sensor_stream_.at(replicate_start(setup_.sensor_replicate) + kSensorDrawsPerPoint * point));
-  Measured measured{};
-  measured.truth = probe.truth;
-  measured.sample.axes = encoders;
-  measured.sample.time_s = time_s;
-  measured.sample.flags = probe.reading.flags;
-  measured.sample.snr = probe.reading.snr;
-  if (probe.reading.flags.usable())
-    measured.sample.distance_mm = probe.reading.distance_mm + beam.distance_error_mm;
-  return measured;
+VirtualMeasurement SimulatedMachine::measure(const AxisPositions& encoders,
+                                             const AxisPositions& velocity_per_s, double time_s,
+                                             std::uint64_t point) const {
+  return measure_at(part_, setup_, true_machine_, sensor_stream_, encoders, velocity_per_s, time_s, point);
 }
 
 SimulationTruth SimulatedMachine::take_truth() {

@@ -39,9 +39,20 @@ struct VirtualSetup {
 
 // For evaluating experiments only; the program that measures never sees it.
 struct SimulationTruth {
-  RigidTransform part_from_mcs;              // true, of the view measured last
-  std::vector<std::optional<TrueHit>> hits;  // per sample; nullopt: the beam met nothing
+  RigidTransform part_from_mcs;  // true, of the view measured last
+  // Per sample; nullopt: the beam met nothing, or the sample was measured before this run.
+  std::vector<std::optional<TrueHit>> hits;
 };
+
+// One reading of the virtual probe, with the encoders at `encoders`: what the machine hands out, and the
+// truth. `point` numbers the draws of the errors and of `sensor_stream`, Rng(seed, trial, "sensor").
+struct VirtualMeasurement {
+  ProbeSample sample;
+  std::optional<TrueHit> truth;
+};
+VirtualMeasurement measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMachine& machine,
+                              const Rng& sensor_stream, const AxisPositions& encoders,
+                              const AxisPositions& velocity_per_s, double time_s, std::uint64_t point);
 
 class SimulatedMachine final : public MachineDriver {
  public:
@@ -53,8 +64,10 @@ class SimulatedMachine final : public MachineDriver {
   void move_to(const AxisPositions& target) override;
   ProbeSample measure_point() override;
   std::size_t scan_line(std::span<const AxisPositions> path, const SampleSink& sink) override;
+  void skip_measured(const MeasuredBefore& before) override;
   void stop() noexcept override;
   MachineState state() const override { return state_; }
+  AxisPositions position() const override { return at_; }
   AxisLimits limits() const override { return setup_.limits; }
 
   // The truth of the samples taken since the last call (or since construction), in the order taken. Call it
@@ -62,14 +75,11 @@ class SimulatedMachine final : public MachineDriver {
   SimulationTruth take_truth();
 
  private:
-  struct Measured {
-    ProbeSample sample;
-    std::optional<TrueHit> truth;
-  };
   void require_ready() const;
   void require_within_limits(const AxisPositions& target) const;
-  Measured measure(const AxisPositions& encoders, const AxisPositions& velocity_per_s, double time_s,
-                   std::uint64_t point) const;
+  void turn_to(double theta_rad);
+  VirtualMeasurement measure(const AxisPositions& encoders, const AxisPositions& velocity_per_s,
+                             double time_s, std::uint64_t point) const;
 
   VirtualPart part_;
   VirtualSetup setup_;

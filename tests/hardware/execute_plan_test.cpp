@@ -13,6 +13,8 @@ namespace {
 class RecordingDriver : public MachineDriver {
  public:
   std::vector<std::string> calls;
+  std::vector<AxisPositions> moves;
+  AxisPositions at;
   MachineState present = MachineState::disconnected;
   std::size_t fault_at_sample = SIZE_MAX;
   std::size_t samples = 0;
@@ -25,7 +27,10 @@ class RecordingDriver : public MachineDriver {
     calls.push_back("home");
     present = MachineState::idle;
   }
-  void move_to(const AxisPositions&) override { calls.push_back("move"); }
+  void move_to(const AxisPositions& target) override {
+    calls.push_back("move");
+    moves.push_back(at = target);
+  }
   ProbeSample measure_point() override { return {}; }
   std::size_t scan_line(std::span<const AxisPositions> path, const SampleSink& sink) override {
     calls.push_back("line");
@@ -45,7 +50,11 @@ class RecordingDriver : public MachineDriver {
     return delivered;
   }
   void stop() noexcept override { calls.push_back("stop"); }
+  void skip_measured(const MeasuredBefore& before) override {
+    calls.push_back("skip " + std::to_string(before.lines) + " " + std::to_string(before.samples));
+  }
   MachineState state() const override { return present; }
+  AxisPositions position() const override { return at; }
   AxisLimits limits() const override { return {{-50, -50, -50, -7}, {50, 50, 50, 7}}; }
 };
 
@@ -109,10 +118,12 @@ TEST(ExecutePlan, NotANumberIsOutOfTravel) {
 
 TEST(ExecutePlan, AnInterruptedScanStopsTheMachineAndKeepsItsSamples) {
   RecordingDriver driver;
-  const ViewScan scan = execute_plan(driver, {}, two_lines(), [](std::size_t taken, std::size_t planned) {
+  ExecutionOptions options;
+  options.progress = [](std::size_t taken, std::size_t planned) {
     EXPECT_EQ(planned, 6u);
     return taken < 4;
-  });
+  };
+  const ViewScan scan = execute_plan(driver, {}, two_lines(), options);
   EXPECT_FALSE(scan.complete);
   EXPECT_EQ(scan.samples.size(), 4u);
   EXPECT_EQ(scan.grid_index.size(), 4u);
@@ -128,6 +139,70 @@ TEST(ExecutePlan, AFaultStopsTheMachineAndReachesTheCaller) {
   } catch (const MachineFault& fault) {
     EXPECT_EQ(fault.kind(), MachineFault::Kind::following_error);
   }
+  EXPECT_EQ(driver.calls.back(), "stop");
+}
+
+TEST(ExecutePlan, AResumedScanGoesOnWhereItBrokeOff) {
+  const ScanPlan plan = two_lines();
+  RecordingDriver first;
+  const ViewScan whole = execute_plan(first, {}, plan);
+  for (std::size_t taken = 1; taken < 6; ++taken) {
+    RecordingDriver driver;
+    driver.samples = taken;
+    std::vector<ProbeSample> kept;
+    ExecutionOptions options;
+    options.measured_before.assign(whole.samples.begin(), whole.samples.begin() + static_cast<long>(taken));
+    options.keep = [&](const ProbeSample& sample) { kept.push_back(sample); };
+    const ViewScan resumed = execute_plan(driver, {}, plan, options);
+    EXPECT_TRUE(resumed.complete);
+    EXPECT_EQ(kept.size(), 6 - taken);
+    EXPECT_EQ(driver.calls[2], "skip " + std::to_string(taken / 3) + " " + std::to_string(taken));
+    ASSERT_EQ(resumed.points.size(), whole.points.size());
+    for (std::size_t i = 0; i < whole.points.size(); ++i)
+      EXPECT_EQ(resumed.points.position_mcs_mm[i], whole.points.position_mcs_mm[i]);
+    EXPECT_EQ(resumed.time_s, whole.time_s);
+  }
+}
+
+// The probe looks along -y, the plan leaves the part at y = 40: from inside (y = 3) and to the place of the
+// break (y = 0) the probe moves at y = 40.
+TEST(ExecutePlan, AResumedScanComesAndGoesAlongTheBeam) {
+  ScanPlan plan = two_lines();
+  plan.retreat = {{0, 40, 0, 0}};
+  RecordingDriver driver;
+  driver.present = MachineState::idle;
+  driver.at = {7, 3, 5, 1};
+  ExecutionOptions options;
+  options.measured_before.resize(4);
+  execute_plan(driver, {}, plan, options);
+  ASSERT_EQ(driver.moves.size(), 4u);
+  const auto expect_at = [&](std::size_t k, double x, double y, double z, double theta) {
+    EXPECT_EQ(driver.moves[k].x_mm, x);
+    EXPECT_EQ(driver.moves[k].y_mm, y);
+    EXPECT_EQ(driver.moves[k].z_mm, z);
+    EXPECT_EQ(driver.moves[k].theta_rad, theta);
+  };
+  expect_at(0, 7, 40, 5, 1);
+  expect_at(1, 2, 40, 1, 0);
+  expect_at(2, 2, 0, 1, 0);
+  expect_at(3, 0, 40, 0, 0);
+}
+
+TEST(ExecutePlan, AFinishedScanDoesNotMove) {
+  RecordingDriver driver;
+  ExecutionOptions options;
+  options.measured_before.resize(6);
+  EXPECT_TRUE(execute_plan(driver, {}, two_lines(), options).complete);
+  EXPECT_TRUE(driver.moves.empty());
+  options.measured_before.resize(7);
+  EXPECT_THROW(execute_plan(driver, {}, two_lines(), options), InputError);
+}
+
+TEST(ExecutePlan, ASampleThatCannotBeKeptStopsTheMachine) {
+  RecordingDriver driver;
+  ExecutionOptions options;
+  options.keep = [](const ProbeSample&) { throw MachineFault(MachineFault::Kind::storage, "disk full"); };
+  EXPECT_THROW(execute_plan(driver, {}, two_lines(), options), MachineFault);
   EXPECT_EQ(driver.calls.back(), "stop");
 }
 

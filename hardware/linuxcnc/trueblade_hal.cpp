@@ -1,0 +1,273 @@
+// trueblade-hal: the component beside the controller. It streams what the realtime `sampler` latched in every
+// servo period over TCP, takes programs and the driver's signs of life, and stops motion when they stay out.
+//
+//   loadusr -W trueblade-hal --program FILE --limits "X- Y- Z- C- X+ Y+ Z+ C+" [--port 5008] [--bind
+//   127.0.0.1]
+//
+// Pins: hold (bit, out: stop motion now), watched (bit, out: signs of life are expected), alive (bit, out:
+// toggles with each), connected (bit, out), samples (u32, out: sent). The HAL file wires watched and alive to
+// the realtime `watchdog`, so that this program's own death stops motion too.
+//
+// One driver at a time. Its requests are lines: samples, quiet, watch, alive, release, hold, and
+// "program BYTES CRC32" followed by that many bytes. Nothing of it reaches a shell.
+#include <arpa/inet.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <optional>
+
+#include "geometry/atomic_file.h"
+#include "hardware/bytes.h"
+#include "hardware/linuxcnc/hal_records.h"
+#include "hardware/linuxcnc/line_reader.h"
+
+namespace trueblade {
+namespace {
+
+constexpr std::size_t kLongestProgram = 16u << 20;
+constexpr std::size_t kMostUnsent = 1u << 20;  // then samples wait in the sampler's own memory
+constexpr double kDegree = 3.14159265358979323846 / 180.0;
+
+std::atomic<bool> ended = false;
+extern "C" void note_end(int) {
+  ended = true;
+}
+
+struct Options {
+  std::string program;
+  std::vector<double> limits;
+  std::uint16_t port = 5008;
+  std::string bind = "127.0.0.1";
+  double servo_period_s = 0.001;
+};
+
+int listen_on(const Options& options) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(options.port);
+  if (inet_pton(AF_INET, options.bind.c_str(), &address.sin_addr) != 1)
+    throw std::runtime_error("--bind " + options.bind + " is no IPv4 address");
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const int yes = 1;
+  ::setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+  if (::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) != 0 ||
+      ::listen(listener, 4) != 0)
+    throw std::runtime_error("cannot listen on " + options.bind + ":" + std::to_string(options.port) + ": " +
+                             std::generic_category().message(errno));
+  return listener;
+}
+
+StreamGreeting greeting_of(const Options& options) {
+  const std::vector<double>& l = options.limits;
+  StreamGreeting greeting;
+  greeting.servo_period_s = options.servo_period_s;
+  greeting.limits = {{l[0], l[1], l[2], l[3] * kDegree}, {l[4], l[5], l[6], l[7] * kDegree}};
+  greeting.program_file = options.program;
+  return greeting;
+}
+
+// The driver that is connected, and what is under way to and from it.
+struct Driver {
+  int socket;
+  std::string unsent;
+  std::string unread;
+  bool wants_samples = false;
+  std::optional<std::pair<std::size_t, std::uint32_t>> program;  // bytes and checksum of the one arriving
+};
+
+class Server {
+ public:
+  explicit Server(const Options& options)
+      : options_(options),
+        component_("trueblade-hal"),
+        hold_(component_, "hold"),
+        watched_pin_(component_, "watched"),
+        alive_(component_, "alive"),
+        connected_(component_, "connected"),
+        sent_pin_(component_, "samples"),
+        stream_(component_, HalStream::End::sampler, kSampleChannel, kSampleFields),
+        listener_(listen_on(options)) {
+    component_.ready();
+  }
+  ~Server() {
+    drop_driver();
+    ::close(listener_);
+  }
+
+  void run() {
+    while (!ended) {
+      wait();
+      accept_driver();
+      pass_samples();
+      if (driver_ && !(receive() && send())) drop_driver();
+    }
+  }
+
+ private:
+  void wait() const {
+    pollfd entries[2] = {{listener_, POLLIN, 0}, {driver_ ? driver_->socket : -1, POLLIN, 0}};
+    ::poll(entries, 2, 1);  // a millisecond: the sampler has no file descriptor to wait for
+  }
+
+  void accept_driver() {
+    const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (socket < 0) return;
+    if (driver_) {
+      const std::string refusal = frame_bytes(StreamFrame::Type::refused, "another driver is connected");
+      [[maybe_unused]] const auto ignored =
+          ::send(socket, refusal.data(), refusal.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      ::close(socket);
+      return;
+    }
+    driver_ = Driver{socket,
+                     frame_bytes(StreamFrame::Type::greeting, greeting_payload(greeting_of(options_))),
+                     {},
+                     false,
+                     {}};
+    connected_.set(true);
+  }
+
+  void drop_driver() {
+    if (!driver_) return;
+    ::close(driver_->socket);
+    driver_.reset();
+    connected_.set(false);
+    if (watched_) hold_.set(true);  // it went without releasing the watch: it did not mean to
+  }
+
+  void pass_samples() {
+    while (!driver_ || driver_->unsent.size() < kMostUnsent) {
+      const auto record = stream_.read();
+      if (!record) return;
+      if (!driver_ || !driver_->wants_samples) continue;
+      driver_->unsent += frame_bytes(StreamFrame::Type::sample, sample_payload(latched_sample(*record)));
+      sent_pin_.set(++sent_);
+    }
+  }
+
+  bool receive() {
+    char bytes[65536];
+    for (;;) {
+      const ssize_t received = ::recv(driver_->socket, bytes, sizeof(bytes), 0);
+      if (received == 0) return false;
+      if (received < 0) return errno == EAGAIN || errno == EINTR;
+      driver_->unread.append(bytes, static_cast<std::size_t>(received));
+      if (!take_requests()) return false;
+    }
+  }
+
+  bool send() {
+    std::string& unsent = driver_->unsent;
+    while (!unsent.empty()) {
+      const ssize_t count = ::send(driver_->socket, unsent.data(), unsent.size(), MSG_NOSIGNAL);
+      if (count < 0) return errno == EAGAIN || errno == EINTR;
+      unsent.erase(0, static_cast<std::size_t>(count));
+    }
+    return true;
+  }
+
+  // False when what comes is not the protocol: the connection is then closed.
+  bool take_requests() {
+    std::string& unread = driver_->unread;
+    for (;;) {
+      if (driver_->program) {
+        const auto [bytes, checksum] = *driver_->program;
+        if (unread.size() < bytes) return true;
+        if (!store(unread.substr(0, bytes), checksum)) return false;
+        unread.erase(0, bytes);
+        driver_->program.reset();
+      }
+      const std::size_t end = unread.find('\n');
+      if (end == std::string::npos) return unread.size() <= LineReader::kLongestLine;
+      const std::string line = unread.substr(0, end);
+      unread.erase(0, end + 1);
+      if (!obey(line)) return false;
+    }
+  }
+
+  bool obey(const std::string& line) {
+    if (line == "samples") {
+      driver_->wants_samples = true;
+      driver_->unsent += frame_bytes(StreamFrame::Type::samples_begin, "");
+    } else if (line == "quiet") {
+      driver_->wants_samples = false;
+    } else if (line == "alive") {
+      alive_.set(life_ = !life_);
+    } else if (line == "watch") {
+      alive_.set(life_ = !life_);
+      hold_.set(false);
+      watched_pin_.set(watched_ = true);
+    } else if (line == "release") {
+      watched_pin_.set(watched_ = false);
+    } else if (line == "hold") {
+      hold_.set(true);
+    } else {
+      unsigned long bytes = 0;
+      unsigned long checksum = 0;
+      char rest = 0;
+      if (std::sscanf(line.c_str(), "program %10lu %10lu%c", &bytes, &checksum, &rest) != 2) return false;
+      if (bytes > kLongestProgram) return false;
+      driver_->program = {bytes, static_cast<std::uint32_t>(checksum)};
+    }
+    return true;
+  }
+
+  bool store(const std::string& program, std::uint32_t checksum) {
+    if (crc32_of(program) != checksum) return false;
+    try {
+      write_file_atomically(options_.program, [&](std::ostream& out) { out << program; });
+    } catch (const std::exception& failure) {
+      driver_->unsent += frame_bytes(StreamFrame::Type::refused,
+                                     std::string(failure.what()).substr(0, FrameReader::kLongestPayload));
+      return true;
+    }
+    driver_->unsent += frame_bytes(StreamFrame::Type::program_stored, "");
+    return true;
+  }
+
+  Options options_;
+  HalComponent component_;
+  HalBitOut hold_, watched_pin_, alive_, connected_;
+  HalCountOut sent_pin_;
+  HalStream stream_;
+  int listener_;
+  std::optional<Driver> driver_;
+  bool watched_ = false, life_ = false;
+  std::uint32_t sent_ = 0;
+};
+
+int run(int argument_count, char** arguments) {
+  Options options;
+  CLI::App app("Streams latched samples of a LinuxCNC machine to trueblade.", "trueblade-hal");
+  app.add_option("--program", options.program, "Where the controller finds the program that is sent")
+      ->required();
+  app.add_option("--limits", options.limits, "Lower, then upper limits of x, y, z (mm) and c (degrees)")
+      ->required()
+      ->expected(8);
+  app.add_option("--port", options.port, "TCP port");
+  app.add_option("--bind", options.bind, "Address to listen on");
+  app.add_option("--servo-period", options.servo_period_s, "Of the servo thread, in seconds");
+  CLI11_PARSE(app, argument_count, arguments);
+  std::signal(SIGINT, note_end);
+  std::signal(SIGTERM, note_end);
+  try {
+    Server(options).run();
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "trueblade-hal: %s\n", failure.what());
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace trueblade
+
+int main(int argument_count, char** arguments) {
+  return trueblade::run(argument_count, arguments);
+}
