@@ -19,6 +19,8 @@ Examples:
   trueblade inspect scenarios/turbine_blade_front.yaml
       scans the demonstration blade on the simulated machine, registers the scan to the CAD model, prints
       the table and writes the report to results/runs/turbine_blade_front
+  trueblade plan scenarios/turbine_blade_front.yaml
+      which surfaces the views see, how much of each, where not and why; points and time of each view
   trueblade part info blade.step
       what is in a CAD or mesh file: surfaces, facets, size, defects
   trueblade register --part blade.step --scan points.xyz --scan-unit mm --out report
@@ -92,6 +94,7 @@ int parse_and_run(const std::vector<std::string>& arguments) {
 
   CommandLine line;
   add_inspect_command(app, line);
+  add_plan_command(app, line);
   add_scan_command(app, line);
   add_register_command(app, line);
   add_part_command(app, line);

@@ -21,9 +21,8 @@ struct ScanOptions {
 };
 
 // One view: the file as named. Several: scan.ply becomes scan_front.ply, scan_back.ply ...
-std::filesystem::path file_of_view(const ScanOptions& options, const Scenario& scenario,
-                                   const std::string& view) {
-  if (scenario.scan.views.size() == 1) return options.out;
+std::filesystem::path file_of_view(const ScanOptions& options, std::size_t views, const std::string& view) {
+  if (views == 1) return options.out;
   const std::string name =
       fmt::format("{}_{}{}", options.out.stem().string(), view, options.out.extension().string());
   return options.out.parent_path() / name;
@@ -39,13 +38,15 @@ int scan(const ScanOptions& options, bool json) {
                           JournalSpec{journal.replace_extension("journal"), options.resume});
 
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
-  for (const ViewSpec& view : scenario.scan.views) {
-    const MeasuredView measured = measurement.measure(view);
-    const std::filesystem::path file = file_of_view(options, scenario, view.name);
+  for (const ScanPlan& plan : measurement.plans()) {
+    const MeasuredView measured = measurement.measure(plan);
+    const std::filesystem::path file = file_of_view(options, measurement.plans().size(), plan.view);
     write_scan(file, measured.scan);
     const std::filesystem::path pose_file = std::filesystem::path(file).replace_extension(".pose.yaml");
-    write_scan_pose(pose_file, {scenario.machine.mcs_from_part.inverse(), measured.true_part_from_mcs});
-    files.push_back({{"view", view.name},
+    ScanPose pose{scenario.machine.mcs_from_part.inverse(), std::nullopt};
+    if (measured.truth) pose.true_part_from_mcs = measured.truth->part_from_mcs;
+    write_scan_pose(pose_file, pose);
+    files.push_back({{"view", plan.view},
                      {"file", file.string()},
                      {"pose_file", pose_file.string()},
                      {"planned", measured.planned},
@@ -53,7 +54,7 @@ int scan(const ScanOptions& options, bool json) {
                      {"points", measured.scan.points.size()},
                      {"complete", measured.scan.complete}});
     if (!json)
-      fmt::print("{}: {} points of {} planned -> {}\n", view.name, measured.scan.points.size(),
+      fmt::print("{}: {} points of {} planned -> {}\n", plan.view, measured.scan.points.size(),
                  measured.planned, file.string());
     if (interrupted()) break;
   }

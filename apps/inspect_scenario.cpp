@@ -68,9 +68,11 @@ void count_samples(const MeasuredView& measured, ViewResult& result) {
 
 FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target, MeasuredView measured) {
   FinishedView view;
+  std::optional<RigidTransform> true_pose;
+  if (measured.truth) true_pose = measured.truth->part_from_mcs;
   view.evaluated = evaluate_view(target, measured.scan.view, measured.scan.points,
                                  scenario.machine.mcs_from_part.inverse(), scenario.registration.options,
-                                 scenario.inspection.surface, measured.true_part_from_mcs);
+                                 scenario.inspection.surface, true_pose);
   count_samples(measured, view.evaluated.result);
   view.measured = std::move(measured);
   return view;
@@ -124,12 +126,12 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
   if (run_folder) journal = JournalSpec{*run_folder / "scan.journal", resume};
   Measurement measurement(scenario, nominal, journal);
   std::vector<FinishedView> views;
-  for (const ViewSpec& view : scenario.scan.views) {
-    MeasuredView measured = measurement.measure(view);
-    if (run_folder) write_scan(*run_folder / fmt::format("scan_{}.ply", view.name), measured.scan);
+  for (const ScanPlan& plan : measurement.plans()) {
+    MeasuredView measured = measurement.measure(plan);
+    if (run_folder) write_scan(*run_folder / fmt::format("scan_{}.ply", plan.view), measured.scan);
     run.interrupted = !measured.scan.complete || interrupted();
     if (run.interrupted) break;
-    spdlog::info("registering {} points of view {}", measured.scan.points.size(), view.name);
+    spdlog::info("registering {} points of view {}", measured.scan.points.size(), plan.view);
     views.push_back(finish_view(scenario, target, std::move(measured)));
   }
 

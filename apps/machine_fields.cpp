@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/form_error_fields.h"
+#include "apps/yaml_reader.h"
 
 namespace trueblade {
 namespace {
@@ -16,17 +17,14 @@ constexpr std::pair<std::string_view, ErrorScope> kScopes[] = {{"setup", ErrorSc
 constexpr std::pair<std::string_view, PartSurfaceMode> kSurfaceModes[] = {{"facets", PartSurfaceMode::facets},
                                                                           {"exact", PartSurfaceMode::exact}};
 
-void fields(YamlFields& io, Lens& lens) {
-  io.text("name", lens.name);
-  // A standard lens is known by its name; any other states all it is.
-  if (io.reading()) {
-    try {
-      lens = standard_lens(lens.name);
-    } catch (const InputError& unknown) {
-      for (const char* key : {"focal_length_mm", "standoff_mm", "working_range_mm", "accuracy_mm", "rate_hz"})
-        if (!io.present(key)) throw io.error("name", fmt::format("{}, or state its {}", unknown.what(), key));
-    }
-  }
+constexpr std::pair<std::string_view, bool> kVerified[] = {{"paper", true}, {"no", false}};
+constexpr std::pair<std::string_view, SurfaceFinish (*)()> kFinishes[] = {
+    {"matt", matt_finish}, {"ground", ground_finish}, {"polished", polished_finish}};
+
+using Folder = std::filesystem::path;
+
+// All of a lens but its name.
+void lens_data(YamlFields& io, Lens& lens) {
   io.number("focal_length_mm", lens.focal_length_mm);
   io.number("standoff_mm", lens.standoff_mm);
   io.number("working_range_mm", lens.working_range_mm);
@@ -35,8 +33,60 @@ void fields(YamlFields& io, Lens& lens) {
   io.number("spot_diameter_mm", lens.spot_diameter_mm);
   io.angle("max_incidence_deg", lens.max_incidence_rad);
   io.number("rate_hz", lens.rate_hz);
-  io.flag("verified", lens.verified);
+  io.choice<bool>("verified", lens.verified, kVerified);
   io.check([&] { lens.validate(); });
+}
+
+// What a lens must state that is known from nowhere else.
+constexpr const char* kLensEssentials[] = {"focal_length_mm", "standoff_mm",      "working_range_mm",
+                                           "accuracy_mm",     "spot_diameter_mm", "max_incidence_deg",
+                                           "rate_hz"};
+
+std::map<std::string, Lens> read_lens_table(const Folder& file) {
+  std::map<std::string, Lens> lenses;
+  read_yaml(file, [&](YamlFields& io) {
+    io.require("lenses");
+    io.named<Lens>("lenses", lenses, [](YamlFields& inner, Lens& lens) {
+      for (const char* key : kLensEssentials) inner.require(key);
+      for (const char* key : kLensEssentials)
+        if (!inner.present(key)) return;  // reported when the map ends
+      lens_data(inner, lens);
+    });
+  });
+  for (auto& [name, lens] : lenses) lens.name = name;
+  return lenses;
+}
+
+Lens lens_of_table(const Folder& file, const std::string& name) {
+  const std::map<std::string, Lens> lenses = read_lens_table(file);
+  const auto place = lenses.find(name);
+  if (place != lenses.end()) return place->second;
+  std::string known;
+  for (const auto& [known_name, lens] : lenses) known += (known.empty() ? "" : ", ") + known_name;
+  throw InputError(fmt::format("lens is \"{}\", must be one of {} ({})", name, known, file.string()));
+}
+
+void fields(YamlFields& io, Lens& lens, const Folder& folder) {
+  io.text("name", lens.name);
+  // A lens of a table or a standard lens is known by its name; any other states all it is.
+  if (io.reading()) {
+    std::string table;
+    io.text("table", table);
+    if (!table.empty()) {
+      if (!io.present("name")) throw io.error("table", "lens.name is missing: which lens of the table?");
+      io.check([&] { lens = lens_of_table(folder / table, lens.name); });
+    } else if (io.present("name")) {
+      try {
+        lens = standard_lens(lens.name);
+      } catch (const InputError& unknown) {
+        for (const char* key : kLensEssentials)
+          if (!io.present(key))
+            throw io.error("name", fmt::format("{}, or state its {}", unknown.what(), key));
+        lens.verified = false;
+      }
+    }
+  }
+  lens_data(io, lens);
 }
 
 void fields(YamlFields& io, MachineGeometry& geometry) {
@@ -61,7 +111,21 @@ void fields(YamlFields& io, AxisPositions& axes, const std::string& per) {
   io.angle("theta_deg" + per, axes.theta_rad, positive);
 }
 
+void fields(YamlFields& io, ProbeBody& probe) {
+  io.number("radius_mm", probe.radius_mm);
+  io.number("length_mm", probe.length_mm);
+  io.number("aperture_radius_mm", probe.aperture_radius_mm);
+  io.number("clearance_mm", probe.clearance_mm);
+  io.check([&] { probe.validate(); });
+}
+
+// `kind` is one of the known finishes; the numbers beside it override its own.
 void fields(YamlFields& io, SurfaceFinish& finish) {
+  if (io.reading() && io.present("kind")) {
+    SurfaceFinish (*make)() = matt_finish;
+    io.choice<SurfaceFinish (*)()>("kind", make, kFinishes);
+    finish = make();
+  }
   io.number("specular_share", finish.specular_share, between(0.0, 1.0));
   io.number("lobe_exponent", finish.lobe_exponent, between(1.0, 1e6));
 }
@@ -75,6 +139,11 @@ void fields(YamlFields& io, SensorModel& sensor) {
   io.number("spot_noise", sensor.spot_noise);
   io.number("low_signal_snr", sensor.low_signal_snr);
   io.number("missed_snr", sensor.missed_snr);
+  io.number("spot_scale", sensor.spot_scale);
+  io.number("exposure_s", sensor.exposure_s);
+  io.number("contrast_depth_mm", sensor.contrast_depth_mm);
+  io.number("multiple_reflection", sensor.multiple_reflection);
+  io.number("quantisation_mm", sensor.quantisation_mm);
   io.check([&] { sensor.validate(); });
 }
 
@@ -119,9 +188,27 @@ void fields(YamlFields& io, LinuxCncSettings& controller) {
   io.check([&] { controller.validate(); });
 }
 
-}  // namespace
+void fields(YamlFields& io, AxisLimits& limits) {
+  io.map("from", [&](YamlFields& inner) { fields(inner, limits.lower, ""); });
+  io.map("to", [&](YamlFields& inner) { fields(inner, limits.upper, ""); });
+  io.check([&] { limits.validate(); });
+}
 
-void fields(YamlFields& io, MachineSpec& machine, const std::filesystem::path& folder) {
+void fields(YamlFields& io, AxisDynamics& dynamics) {
+  io.map("speed", [&](YamlFields& inner) { fields(inner, dynamics.max_speed, "_per_s"); });
+  io.map("acceleration", [&](YamlFields& inner) { fields(inner, dynamics.max_acceleration, "_per_s2"); });
+}
+
+void fields(YamlFields& io, SimulationSpec& simulation) {
+  io.choice<PartSurfaceMode>("part_surface", simulation.part_surface, kSurfaceModes);
+  io.list<FormError>("form_errors", simulation.form_errors,
+                     [](YamlFields& inner, FormError& error) { fields(inner, error); });
+  io.map("sensor", [&](YamlFields& inner) { fields(inner, simulation.sensor); });
+  io.map("errors", [&](YamlFields& inner) { fields(inner, simulation.errors); });
+}
+
+// The keys of a machine, wherever they stand.
+void machine_keys(YamlFields& io, MachineSpec& machine, const Folder& folder) {
   constexpr std::pair<std::string_view, std::string_view> kBackends[] = {
       {"simulated", "simulated"}, {"linuxcnc", "linuxcnc"}, {"recorded", "recorded"}};
   std::string_view backend = machine.backend;
@@ -133,26 +220,31 @@ void fields(YamlFields& io, MachineSpec& machine, const std::filesystem::path& f
     io.require("journal");
     io.path("journal", machine.journal, folder);
   }
-  io.map("lens", [&](YamlFields& inner) { fields(inner, machine.lens); });
+  io.map("lens", [&](YamlFields& inner) { fields(inner, machine.lens, folder); });
   io.map("geometry", [&](YamlFields& inner) { fields(inner, machine.geometry); });
-  io.map("travel", [&](YamlFields& travel) {
-    travel.map("from", [&](YamlFields& inner) { fields(inner, machine.limits.lower, ""); });
-    travel.map("to", [&](YamlFields& inner) { fields(inner, machine.limits.upper, ""); });
-  });
-  io.map("dynamics", [&](YamlFields& dynamics) {
-    dynamics.map("speed", [&](YamlFields& inner) { fields(inner, machine.dynamics.max_speed, "_per_s"); });
-    dynamics.map("acceleration",
-                 [&](YamlFields& inner) { fields(inner, machine.dynamics.max_acceleration, "_per_s2"); });
-  });
+  io.map("probe", [&](YamlFields& inner) { fields(inner, machine.probe); });
+  io.map("travel", [&](YamlFields& inner) { fields(inner, machine.limits); });
+  io.map("dynamics", [&](YamlFields& inner) { fields(inner, machine.dynamics); });
+  io.pose("mcs_from_fixture", machine.mcs_from_fixture);
   io.pose("mcs_from_part", machine.mcs_from_part);
-  io.map("simulation", [&](YamlFields& simulation) {
-    simulation.choice<PartSurfaceMode>("surface", machine.simulation.surface, kSurfaceModes);
-    simulation.list<FormError>("form_errors", machine.simulation.form_errors,
-                               [](YamlFields& inner, FormError& error) { fields(inner, error); });
-    simulation.pose("mcs_from_fixture", machine.simulation.mcs_from_fixture);
-    simulation.map("sensor", [&](YamlFields& inner) { fields(inner, machine.simulation.sensor); });
-    simulation.map("errors", [&](YamlFields& inner) { fields(inner, machine.simulation.errors); });
-  });
+  io.map("simulation", [&](YamlFields& inner) { fields(inner, machine.simulation); });
+}
+
+}  // namespace
+
+void fields(YamlFields& io, MachineSpec& machine, const Folder& folder) {
+  if (io.reading()) {
+    std::string file;
+    io.text("file", file);
+    if (!file.empty()) machine = read_machine((folder / file).lexically_normal());
+  }
+  machine_keys(io, machine, folder);
+}
+
+MachineSpec read_machine(const Folder& file) {
+  MachineSpec machine;
+  read_yaml(file, [&](YamlFields& io) { machine_keys(io, machine, file.parent_path()); });
+  return machine;
 }
 
 }  // namespace trueblade

@@ -10,6 +10,7 @@
 #include "hardware/lens.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/machine_geometry.h"
+#include "hardware/probe_body.h"
 #include "sim/form_errors.h"
 #include "sim/machine_errors.h"
 #include "sim/sensor_model.h"
@@ -18,27 +19,39 @@
 namespace trueblade {
 
 struct SimulationSpec {
-  RigidTransform mcs_from_fixture;  // the frame in which the fixture's errors act
   MachineErrors errors;
   SensorModel sensor;
-  std::optional<PartSurfaceMode>
-      surface;             // what the beam meets; default: exact where the part has CAD surfaces
+  // What the beam meets; default: exact where the part has CAD surfaces.
+  std::optional<PartSurfaceMode> part_surface;
   FormErrors form_errors;  // of the part that stands on the machine
 };
+
+// The probe stands clear of the part with all axes at zero: home.
+inline MachineGeometry default_geometry() {
+  MachineGeometry geometry;
+  geometry.stage_from_probe_at_zero.translation_mm = {0.0, 120.0, 60.0};
+  return geometry;
+}
 
 struct MachineSpec {
   std::string backend = "simulated";
   Lens lens = standard_lens("25mm");
-  MachineGeometry geometry;
+  MachineGeometry geometry = default_geometry();
+  ProbeBody probe;
   AxisLimits limits{{-500.0, -500.0, -500.0, -100.0}, {500.0, 500.0, 500.0, 100.0}};
   AxisDynamics dynamics;
-  RigidTransform mcs_from_part;  // the preliminary transformation of the set-up (P12), as the part stands
+  RigidTransform mcs_from_fixture;  // the fixture on the table: the frame in which its errors act
+  RigidTransform mcs_from_part;     // the preliminary transformation of the set-up (P12), as the part stands
   SimulationSpec simulation;
   LinuxCncSettings linuxcnc;
   std::filesystem::path journal;  // what the backend "recorded" replays
 };
 
-// Paths in the file are relative to `folder`.
+// `file: machine.yaml` takes the machine from a file of its own; the other keys override what stands there.
+// Paths are relative to `folder`, that of the YAML file.
 void fields(YamlFields& io, MachineSpec& machine, const std::filesystem::path& folder);
+
+// A machine in a file of its own. Throws InputError.
+MachineSpec read_machine(const std::filesystem::path& file);
 
 }  // namespace trueblade

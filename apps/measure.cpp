@@ -4,21 +4,15 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "hardware/execute_plan.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
-#include "hardware/plan_view.h"
 #include "hardware/recorded/recorded_machine.h"
 
 namespace trueblade {
-
-PartOnMachine put_on_machine(Part part) {
-  auto shared = std::make_shared<const Part>(std::move(part));
-  auto caster = std::make_shared<const RayCaster>(shared->model);
-  return {std::move(shared), std::move(caster)};
-}
 
 VirtualSetup virtual_setup(const Scenario& scenario) {
   const MachineSpec& machine = scenario.machine;
@@ -28,7 +22,7 @@ VirtualSetup virtual_setup(const Scenario& scenario) {
   setup.dynamics = machine.dynamics;
   setup.lens = machine.lens;
   setup.part_from_mcs = machine.mcs_from_part.inverse();
-  setup.mcs_from_fixture = machine.simulation.mcs_from_fixture;
+  setup.mcs_from_fixture = machine.mcs_from_fixture;
   setup.errors = machine.simulation.errors;
   setup.sensor = machine.simulation.sensor;
   setup.seed = scenario.seed;
@@ -39,11 +33,34 @@ VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal)
   const SimulationSpec& simulation = scenario.machine.simulation;
   const PartSurfaceMode finest = nominal.part->exact ? PartSurfaceMode::exact : PartSurfaceMode::facets;
   constexpr std::uint64_t kTrial = 0;  // an inspection is the first trial of a study of the same scenario
-  return make_virtual_part(nominal.part, nominal.caster, simulation.surface.value_or(finest),
+  return make_virtual_part(nominal.part, nominal.caster, simulation.part_surface.value_or(finest),
                            simulation.form_errors, scenario.seed, kTrial);
 }
 
 namespace {
+
+MeasuredTruth truth_of(const SimulationTruth& simulated, const ViewScan& scan) {
+  MeasuredTruth truth;
+  truth.part_from_mcs = simulated.part_from_mcs;
+  for (const std::uint32_t sample : scan.usable) {
+    // A usable sample has met the part; of one that an earlier run measured, the truth is gone with it.
+    const std::optional<TrueHit>& hit = simulated.hits[sample];
+    truth.deviation_mm.push_back(hit ? hit->deviation_mm : std::numeric_limits<double>::quiet_NaN());
+  }
+  return truth;
+}
+
+// A scan that follows its plan blindly may miss the part altogether.
+void require_points(const ViewScan& scan) {
+  if (!scan.usable.empty()) return;
+  std::size_t out_of_range = 0;
+  for (const ProbeSample& sample : scan.samples) out_of_range += sample.flags.out_of_range ? 1 : 0;
+  throw InputError(
+      fmt::format("view {}: none of {} samples gave a point ({} out of the working range, {} without a "
+                  "return); does the part "
+                  "stand where mcs_from_part says?",
+                  scan.view, scan.samples.size(), out_of_range, scan.samples.size() - out_of_range));
+}
 
 // A machine, and the truth about it where there is one.
 struct Backend {
@@ -109,7 +126,9 @@ struct Measurement::Session {
 
 Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal,
                          const std::optional<JournalSpec>& journal)
-    : scenario_(scenario), nominal_(nominal), session_(new Session) {
+    : scenario_(scenario),
+      plans_(plan_views(scenario, nominal, views_of(scenario, nominal))),
+      session_(new Session) {
   session_->backend = make_backend(scenario, nominal);
   if (!journal) return;
   const JournalWriter::Durability durability = durability_of(scenario);
@@ -152,42 +171,33 @@ std::vector<ProbeSample> Measurement::measured_before(const ScanPlan& plan) {
   return before->samples;
 }
 
-MeasuredView Measurement::measure(const ViewSpec& view) {
-  const MachineSpec& machine = scenario_.machine;
-  PlanOptions options;
-  options.view = view.name;
-  options.theta_rad = view.theta_rad;
-  options.spacing_mm = scenario_.scan.spacing_mm;
-  options.surfaces = scenario_.scan.surfaces;
-  options.max_incidence_rad = scenario_.scan.max_incidence_rad;
-  options.validate(*nominal_.part);
-  const ScanPlan plan = plan_view(machine.geometry, machine.lens, *nominal_.part, *nominal_.caster,
-                                  machine.mcs_from_part.inverse(), options);
-
+MeasuredView Measurement::measure(const ScanPlan& plan) {
+  const MachineGeometry& geometry = scenario_.machine.geometry;
   std::optional<JournalWriter>& journal = session_->journal;
   MeasuredView measured;
   measured.planned = plan.point_count();
   ExecutionOptions execution;
   execution.measured_before = measured_before(plan);
   if (journal) execution.keep = [&](const ProbeSample& sample) { journal->add(sample); };
-  Progress progress("scan " + view.name);
+  Progress progress("scan " + plan.view);
   execution.progress = [&](std::size_t taken, std::size_t planned) {
     progress.report(taken, planned);
     return !interrupted();
   };
   MachineDriver& driver = *session_->backend.driver;
   try {
-    measured.scan = execute_plan(driver, machine.geometry, plan, execution);
+    measured.scan = execute_plan(driver, geometry, plan, execution);
   } catch (const MachineFault& fault) {
     if (!journal) throw;
     if (fault.kind() != MachineFault::Kind::storage) journal->note(fault.what());
     throw MachineFault(fault.kind(), fmt::format("{}; the machine is {}; {}", fault.what(),
                                                  to_string(driver.state()), session_->resume_hint));
   }
-  if (measured.scan.complete) session_->finish(view.name);
+  if (measured.scan.complete) session_->finish(plan.view);
   if (journal && !measured.scan.complete) spdlog::info("{}", session_->resume_hint);
   if (session_->backend.simulated)
-    measured.true_part_from_mcs = session_->backend.simulated->take_truth().part_from_mcs;
+    measured.truth = truth_of(session_->backend.simulated->take_truth(), measured.scan);
+  if (measured.scan.complete) require_points(measured.scan);
   return measured;
 }
 

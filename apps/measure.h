@@ -1,26 +1,23 @@
-// Measuring a scenario: plan each view, carry it out on the scenario's backend. The one place that knows
-// which backend runs.
+// Measuring a scenario on its backend. The one place that knows which backend runs.
 #pragma once
 
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
-#include "apps/scenario.h"
-#include "geometry/ray_caster.h"
+#include "apps/plan_scan.h"
 #include "hardware/machine_driver.h"
 #include "hardware/scan_plan.h"
-#include "part/part.h"
 #include "sim/simulated_machine.h"
 
 namespace trueblade {
 
-// A part and the ray caster on its facet model, as planning, the virtual laser and the picture share them.
-struct PartOnMachine {
-  std::shared_ptr<const Part> part;
-  std::shared_ptr<const RayCaster> caster;
+// What only a simulation knows of a view.
+struct MeasuredTruth {
+  RigidTransform part_from_mcs;
+  std::vector<double> deviation_mm;  // of the true part from the nominal one, per point of the scan
 };
-PartOnMachine put_on_machine(Part part);
 
 // What stands on the virtual machine, and the machine itself, as the scenario says.
 VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal);
@@ -29,7 +26,7 @@ VirtualSetup virtual_setup(const Scenario& scenario);
 struct MeasuredView {
   ViewScan scan;
   std::size_t planned = 0;
-  std::optional<RigidTransform> true_part_from_mcs;  // in simulation
+  std::optional<MeasuredTruth> truth;  // in simulation
 };
 
 // Where the samples are kept as they are measured (hardware/recorded/journal.h).
@@ -42,21 +39,24 @@ struct JournalSpec {
 
 class Measurement {
  public:
-  // Throws InputError when the set-up is not valid, or the journal to be resumed cannot be read.
+  // Plans every view, so that whatever is wrong with one is known before anything moves. Throws InputError,
+  // also when the journal to be resumed cannot be read.
   Measurement(const Scenario& scenario, const PartOnMachine& nominal,
               const std::optional<JournalSpec>& journal = std::nullopt);
   ~Measurement();
 
+  const std::vector<ScanPlan>& plans() const { return plans_; }
+
   // Shows its progress on standard error. Ctrl-C ends it early: then scan.complete is false.
-  // Throws InputError (the plan; the journal holds another one), MachineFault.
-  MeasuredView measure(const ViewSpec& view);
+  // Throws InputError (nothing came back; the journal holds another plan), MachineFault.
+  MeasuredView measure(const ScanPlan& plan);
 
  private:
   struct Session;
   std::vector<ProbeSample> measured_before(const ScanPlan& plan);
 
   const Scenario& scenario_;
-  PartOnMachine nominal_;
+  std::vector<ScanPlan> plans_;
   std::unique_ptr<Session> session_;
 };
 

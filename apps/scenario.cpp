@@ -43,13 +43,28 @@ void check_views(const std::vector<ViewSpec>& views) {
   }
 }
 
+void fields(YamlFields& io, ViewAngleOptions& automatic) {
+  io.angle("candidate_step_deg", automatic.candidate_step_rad, between(0.1, 180.0));
+  io.integer("most_views", automatic.most_views, 1, 1000);
+  io.number("least_gain", automatic.least_gain);
+  io.integer("sample_count", automatic.sample_count, 100, 10'000'000);
+  io.check([&] { automatic.validate(); });
+}
+
 void fields(YamlFields& io, ScanSpec& scan) {
-  io.require("views");
-  io.list<ViewSpec>("views", scan.views, [](YamlFields& inner, ViewSpec& view) { fields(inner, view); });
+  io.optional_map<ViewAngleOptions>(
+      "automatic_views", scan.automatic_views,
+      [](YamlFields& inner, ViewAngleOptions& automatic) { fields(inner, automatic); });
+  if (!scan.automatic_views) io.require("views");
+  if (io.reading())
+    io.fail_unless(!(scan.automatic_views && io.present("views")),
+                   "scan must have either views or automatic_views, not both");
+  if (io.reading() || !scan.automatic_views)
+    io.list<ViewSpec>("views", scan.views, [](YamlFields& inner, ViewSpec& view) { fields(inner, view); });
   io.number("spacing_mm", scan.spacing_mm, above(0.0));
   io.integers("surfaces", scan.surfaces);
   io.angle("max_incidence_deg", scan.max_incidence_rad, between(1.0, 90.0));
-  if (io.present("views")) io.check([&] { check_views(scan.views); });
+  if (io.present("views") && !scan.automatic_views) io.check([&] { check_views(scan.views); });
 }
 
 void fields(YamlFields& io, InspectionSpec& inspection) {
@@ -60,6 +75,7 @@ void fields(YamlFields& io, InspectionSpec& inspection) {
 }
 
 void check_expected_views(const Scenario& scenario) {
+  if (scenario.scan.automatic_views) return;  // named once they are chosen
   for (const auto& [name, expectation] : scenario.expect) {
     const bool known = std::any_of(scenario.scan.views.begin(), scenario.scan.views.end(),
                                    [&name = name](const ViewSpec& view) { return view.name == name; });

@@ -13,6 +13,7 @@
 #include "apps/machine_fields.h"
 #include "apps/part_fields.h"
 #include "apps/registration_fields.h"
+#include "hardware/view_angles.h"
 #include "inspection/colour_map.h"
 #include "inspection/deviations.h"
 
@@ -23,8 +24,10 @@ struct ViewSpec {
   double theta_rad = 0.0;
 };
 
+// Either the views are stated, or their angles are chosen for coverage; then they are called theta_<degrees>.
 struct ScanSpec {
   std::vector<ViewSpec> views;
+  std::optional<ViewAngleOptions> automatic_views;
   double spacing_mm = 1.0;
   std::vector<std::uint32_t> surfaces;      // CAD surfaces to measure; empty: all
   std::optional<double> max_incidence_rad;  // default: the lens's own limit

@@ -86,6 +86,8 @@ Coverage summarise_coverage(std::span<const double> theta_rad, std::span<const S
                             std::span<const std::vector<PointAccess>> access) {
   Coverage coverage;
   coverage.theta_rad.assign(theta_rad.begin(), theta_rad.end());
+  coverage.samples.assign(samples.begin(), samples.end());
+  coverage.access.assign(access.begin(), access.end());
   double area = 0.0, seen_area = 0.0;
   // Samples come surface by surface.
   for (std::size_t begin = 0; begin < samples.size();) {

@@ -46,6 +46,9 @@ struct Coverage {
   std::vector<double> theta_rad;  // the views
   std::vector<SurfaceCoverage> surfaces;
   double seen;  // share of the whole area of the chosen surfaces
+  // What it was found from: the samples, and the access of every sample from every view.
+  std::vector<SurfaceSample> samples;
+  std::vector<std::vector<PointAccess>> access;
 };
 
 // `access[v][i]`: of sample i from view v.

@@ -45,11 +45,30 @@ std::string xml_text(const std::string& text) {
   return escaped;
 }
 
-// Seen, then the reasons in the order of PointAccess.
-constexpr std::array<const char*, kPointAccessCount> kColours{"#2a7f3f", "#bbbbbb", "#e0b030",
-                                                              "#5577cc", "#9955aa", "#cc4433"};
+std::string hex_colour(PointAccess access) {
+  const auto rgb = access_colour(access);
+  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+}
 
 }  // namespace
+
+std::array<std::uint8_t, 3> access_colour(PointAccess access) {
+  switch (access) {
+    case PointAccess::measurable:
+      return {0x2a, 0x7f, 0x3f};
+    case PointAccess::facing_away:
+      return {0xbb, 0xbb, 0xbb};
+    case PointAccess::grazing:
+      return {0xe0, 0xb0, 0x30};
+    case PointAccess::hidden:
+      return {0x55, 0x77, 0xcc};
+    case PointAccess::beam_blocked:
+      return {0x99, 0x55, 0xaa};
+    case PointAccess::probe_touches:
+      return {0xcc, 0x44, 0x33};
+  }
+  return {};
+}
 
 std::string coverage_table(const Coverage& coverage, const Part& part) {
   std::string text = fmt::format("{:>7}  {:<24} {:>10}", "surface", "name", "area mm2");
@@ -96,7 +115,7 @@ std::string coverage_svg(const Coverage& coverage, const Part& part) {
       const double length = kBar * surface->by_access[k];
       if (length > 0.0)
         svg += fmt::format("<rect x=\"{:.1f}\" y=\"{}\" width=\"{:.1f}\" height=\"{}\" fill=\"{}\"/>\n", from,
-                           y + 1, length, kRow - 2, kColours[k]);
+                           y + 1, length, kRow - 2, hex_colour(static_cast<PointAccess>(k)));
       from += length;
     }
     y += kRow;
@@ -107,7 +126,7 @@ std::string coverage_svg(const Coverage& coverage, const Part& part) {
     svg += fmt::format(
         "<rect x=\"{:.0f}\" y=\"{}\" width=\"10\" height=\"10\" fill=\"{}\"/>\n"
         "<text x=\"{:.0f}\" y=\"{}\">{}</text>\n",
-        x, y + 14, kColours[k], x + 14.0, y + 23, label);
+        x, y + 14, hex_colour(static_cast<PointAccess>(k)), x + 14.0, y + 23, label);
     x += 24.0 + 5.6 * static_cast<double>(label.size());
   }
   return svg + "</svg>\n";

@@ -1,11 +1,16 @@
 // Coverage for people: a table, and a picture.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
 
 #include "hardware/coverage.h"
 
 namespace trueblade {
+
+// In all pictures of coverage: red, green, blue.
+std::array<std::uint8_t, 3> access_colour(PointAccess access);
 
 // One line a surface: area, share seen from each view, share seen in all, and the reasons for the rest. The
 // least seen surfaces come first.

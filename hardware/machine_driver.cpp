@@ -1,5 +1,12 @@
 #include "hardware/machine_driver.h"
 
+#include <fmt/core.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "geometry/error.h"
+
 namespace trueblade {
 namespace {
 
@@ -20,6 +27,19 @@ ProbeFlags ProbeFlags::from_bits(std::uint8_t bits) {
   flags.low_signal = (bits & kLowSignalBit) != 0;
   flags.missed = (bits & kMissedBit) != 0;
   return flags;
+}
+
+void AxisLimits::validate() const {
+  const auto require = [](const char* axis, double low, double high, const char* unit) {
+    if (!(low < high && std::isfinite(low) && std::isfinite(high)))
+      throw InputError(
+          fmt::format("travel of {}: from {} to {} {}, must be finite and upward", axis, low, high, unit));
+  };
+  constexpr double kDegree = std::numbers::pi / 180.0;
+  require("x", lower.x_mm, upper.x_mm, "mm");
+  require("y", lower.y_mm, upper.y_mm, "mm");
+  require("z", lower.z_mm, upper.z_mm, "mm");
+  require("theta", lower.theta_rad / kDegree, upper.theta_rad / kDegree, "deg");
 }
 
 bool AxisLimits::contains(const AxisPositions& axes) const {

@@ -44,6 +44,7 @@ struct AxisLimits {
   AxisPositions lower;
   AxisPositions upper;
   bool contains(const AxisPositions& axes) const;
+  void validate() const;  // throws InputError naming the axis: lower below upper, finite
 };
 
 enum class MachineState { disconnected, not_homed, idle, moving, stopped, faulted, unknown };

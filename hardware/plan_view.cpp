@@ -11,6 +11,7 @@
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
+#include "hardware/check_clearance.h"
 
 namespace trueblade {
 namespace {
@@ -167,23 +168,6 @@ std::vector<Run> order_by_travel(std::vector<Run> runs, const std::vector<Cell>&
     at = cells[ordered.back().cells.back()].probe_origin_pcs;
   }
   return ordered;
-}
-
-// How far along the beam (stage, a coordinate) the probe origin may go while the table turns: before
-// everything that the turning part sweeps.
-double turning_limit_mm(const MachineGeometry& geometry, const FacetModel& model,
-                        const RigidTransform& mcs_from_part, double clearance_mm) {
-  const Vec3 beam = geometry.stage_from_probe_at_zero.rotation * geometry.beam_direction;
-  const Vec3& axis = geometry.rotary_axis_direction;
-  const double across_axis = beam.cross(axis).norm();
-  double limit = std::numeric_limits<double>::infinity();
-  for (std::uint32_t node = 0; node < model.node_count(); ++node) {
-    const Vec3 from_axis = mcs_from_part * model.node_mm(node) - geometry.rotary_axis_point_mm;
-    const Vec3 along_axis = from_axis.dot(axis) * axis;
-    const double radius = (from_axis - along_axis).norm();
-    limit = std::min(limit, (geometry.rotary_axis_point_mm + along_axis).dot(beam) - radius * across_axis);
-  }
-  return limit - clearance_mm;
 }
 
 std::string count_reasons(const std::array<std::size_t, kPointAccessCount>& cells) {

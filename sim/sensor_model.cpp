@@ -77,6 +77,11 @@ double distance_sigma_mm(const SensorModel& model, const Lens& lens, double sign
   return model.noise_scale * std::hypot(detector_mm, spot_mm);
 }
 
+double quantised_mm(const SensorModel& model, double distance_mm) {
+  if (model.quantisation_mm == 0.0) return distance_mm;
+  return model.quantisation_mm * std::round(distance_mm / model.quantisation_mm);
+}
+
 SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
                           double incidence_rad, double contrast, double speckle_deviate,
                           double noise_deviate) {

@@ -68,6 +68,9 @@ double signal_to_noise(const SensorModel& model, double signal);
 // Standard deviation of the distance at a relative signal.
 double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_rad);
 
+// The nearest step of the reported distance.
+double quantised_mm(const SensorModel& model, double distance_mm);
+
 struct SensorReading {
   double distance_mm;
   double snr;

@@ -27,10 +27,17 @@ VirtualSetup validated(VirtualSetup setup) {
 
 void VirtualSetup::validate() const {
   geometry.validate();
+  limits.validate();
   dynamics.validate();
   lens.validate();
   errors.validate();
   sensor.validate();
+  const double best_snr = signal_to_noise(sensor, 1.0);
+  if (best_snr < sensor.missed_snr)
+    throw InputError(fmt::format(
+        "sensor: noise_to_signal is {}, which leaves an SNR of {:.3g} at the best place of a surface: below "
+        "missed_snr ({}), so that the beam never returns",
+        sensor.noise_to_signal, best_snr, sensor.missed_snr));
   if (!is_finite(part_from_mcs)) throw InputError("part_from_mcs must be finite");
   if (!is_finite(mcs_from_fixture)) throw InputError("mcs_from_fixture must be finite");
   if (!limits.contains({}))
@@ -51,7 +58,8 @@ VirtualMeasurement measure_at(const VirtualPart& part, const VirtualSetup& setup
   measured.sample.flags = probe.reading.flags;
   measured.sample.snr = probe.reading.snr;
   if (probe.reading.flags.usable())
-    measured.sample.distance_mm = probe.reading.distance_mm + beam.distance_error_mm;
+    measured.sample.distance_mm =
+        quantised_mm(setup.sensor, probe.reading.distance_mm + beam.distance_error_mm);
   return measured;
 }
 

@@ -101,6 +101,21 @@ void write_inputs(const ScratchFolder& folder) {
                "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], surfaces: [3]}\n");
   folder.write("out_of_travel.yaml", scenario("{file: cube.obj, unit: cm}",
                                               "machine: {mcs_from_part: {translation_mm: [0, 0, 900]}}\n"));
+  folder.write("home_in_part.yaml", scenario("{file: cube.obj, unit: cm}",
+                                             "machine: {geometry: {stage_from_probe_at_zero: "
+                                             "{translation_mm: [5, 5, 5]}}}\n"));
+  folder.write(
+      "turns_into_probe.yaml",
+      "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front, theta_deg: 90}], spacing_mm: 0.5}\n"
+      "machine: {geometry: {stage_from_probe_at_zero: {translation_mm: [0, 11.5, 0]}}}\n");
+  folder.write("out_of_travel_later.yaml",
+               "part: {file: cube.obj, unit: cm}\nmachine: {travel: {to: {theta_deg: 90}}}\n"
+               "scan: {views: [{name: front}, {name: back, theta_deg: 180}], spacing_mm: 0.5}\n");
+  folder.write("never_returns.yaml", scenario("{file: cube.obj, unit: cm}",
+                                              "machine: {simulation: {sensor: {noise_to_signal: 100}}}\n"));
+  folder.write(
+      "part_elsewhere.yaml",
+      scenario("{file: cube.obj, unit: cm}", "machine: {simulation: {errors: {fixture_y: {mean_mm: 5}}}}\n"));
   folder.write("too_few_points.yaml",
                "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], spacing_mm: 11}\n");
   folder.write("no_expect.yaml", scenario("{file: cube.obj, unit: cm}"));
@@ -297,6 +312,24 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"a raster of 1e14 cells", inspect("too_fine.yaml"), {"spacing_mm", "cells"}},
         BadInput{"unknown surface", inspect("no_such_surface.yaml"), {"surface 3"}},
         BadInput{"beyond the travel", inspect("out_of_travel.yaml"), {"front", "z"}},
+        BadInput{"beyond the travel in a later view",
+                 inspect("out_of_travel_later.yaml"),
+                 {"view back", "theta is 180", "-5729.578 and 90"}},
+        BadInput{"home inside the part",
+                 {"plan", "home_in_part.yaml", "--out", "out"},
+                 {"view front", "the way to planned line 1", "the probe would touch the part"}},
+        BadInput{"home where the part turns",
+                 {"plan", "turns_into_probe.yaml", "--out", "out"},
+                 {"view front", "the table would turn while the probe stands in the way"}},
+        BadInput{"a beam that never returns",
+                 inspect("never_returns.yaml"),
+                 {"noise_to_signal is 100", "never returns"}},
+        BadInput{"the part stands elsewhere",
+                 inspect("part_elsewhere.yaml"),
+                 {"view front", "none of", "out of the working range", "mcs_from_part"}},
+        BadInput{"plan and its angles contradict",
+                 {"plan", "cube.yaml", "--automatic", "--theta-deg", "10"},
+                 {"--theta-deg", "excludes"}},
         BadInput{"too few points", inspect("too_few_points.yaml"), {"three"}},
         BadInput{"output under a file", {"inspect", "cube.yaml", "--out", "a_file/out"}, {"a_file"}},
         BadInput{"output is a file", {"inspect", "cube.yaml", "--out", "a_file"}, {"a_file"}},
@@ -314,7 +347,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"misspelt command",
                  {"inspct", "cube.yaml"},
                  {"\"trueblade inspct\"", "did you mean \"inspect\""}},
-        BadInput{"unknown command", {"frobnicate"}, {"inspect, scan, register, part, regress"}},
+        BadInput{"unknown command", {"frobnicate"}, {"inspect, plan, scan, register, part, regress"}},
         BadInput{"misspelt part command", {"part", "inof", "cube.obj"}, {"did you mean \"info\""}},
         BadInput{
             "misspelt option", {"inspect", "cube.yaml", "--sed", "3"}, {"--sed", "did you mean \"--seed\""}},

@@ -229,6 +229,61 @@ TEST(Regress, AScenarioThatDoesNotRunFailsAndTheOthersStillRun) {
   EXPECT_NE(result.out.find("1 passed, 1 failed"), std::string::npos) << result.out;
 }
 
+// The cube of the scenario stands on a corner, three faces towards the probe: whatever is chosen, a face
+// turned away from the beam at all angles cannot be seen, and the views that are chosen see no less than the
+// stated ones.
+TEST(Plan, TellsAndDrawsCoverage) {
+  const CubeFolder folder;
+  const ChildResult result = run_trueblade({"plan", "cube.yaml", "--json", "--out", "run"}, folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json plan = Json::parse(result.out);
+  EXPECT_GT(plan["seen"], 0.4);
+  ASSERT_EQ(plan["views"].size(), 2u);
+  EXPECT_GT(plan["views"][0]["points"], 100);
+  EXPECT_GT(plan["views"][0]["time_s"], 0.0);
+  double shares = 0.0;
+  for (const Json& share : plan["surfaces"][0]["share"]) shares += share.get<double>();
+  EXPECT_NEAR(shares, 1.0, 1e-12);
+  for (const char* picture : {"run/coverage.svg", "run/coverage.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder / picture)) << picture;
+
+  const ChildResult automatic =
+      run_trueblade({"plan", "cube.yaml", "--automatic", "--json", "--out", "run"}, folder.path());
+  ASSERT_EQ(automatic.exit_code, 0) << automatic.err;
+  EXPECT_GE(Json::parse(automatic.out)["seen"], plan["seen"]);
+}
+
+TEST(Plan, AnglesOfTheCommandLineOverrideTheScenario) {
+  const CubeFolder folder;
+  const ChildResult result = run_trueblade(
+      {"plan", "cube.yaml", "--theta-deg", "0", "120", "240", "--json", "--out", "run"}, folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json plan = Json::parse(result.out);
+  ASSERT_EQ(plan["views"].size(), 3u);
+  EXPECT_EQ(plan["views"][1]["view"], "theta_120");
+}
+
+// A scan whose views are chosen measures the planned points.
+TEST(Plan, ChosenViewsAreMeasured) {
+  const CubeFolder folder;
+  std::string text = kCubeScenario;
+  const std::string views = "views: [{name: front}, {name: turned, theta_deg: 20}]";
+  text.replace(text.find(views), views.size(), "automatic_views: {most_views: 2, candidate_step_deg: 60}");
+  folder.write("automatic.yaml", text);
+  const ChildResult plan = run_trueblade({"plan", "automatic.yaml", "--json", "--out", "run"}, folder.path());
+  const ChildResult scan =
+      run_trueblade({"scan", "automatic.yaml", "--json", "--out", "s.ply"}, folder.path());
+  ASSERT_EQ(plan.exit_code, 0) << plan.err;
+  ASSERT_EQ(scan.exit_code, 0) << scan.err;
+  const Json planned = Json::parse(plan.out)["views"], scanned = Json::parse(scan.out);
+  ASSERT_EQ(planned.size(), 2u);
+  ASSERT_EQ(scanned.size(), 2u);
+  for (std::size_t v = 0; v < 2; ++v) {
+    EXPECT_EQ(scanned[v]["view"], planned[v]["view"]);
+    EXPECT_EQ(scanned[v]["planned"], planned[v]["points"]);
+  }
+}
+
 TEST(Interrupt, KeepsWhatWasMeasured) {
   const CubeFolder folder;
   // A raster fine enough that the first report of progress comes long before the end.

@@ -58,6 +58,68 @@ TEST(Scenario, OverridesOfAPresetKeepTheRestOfIt) {
   EXPECT_EQ(scenario.registration.options.closest_point.search, expected.closest_point.search);
 }
 
+const char* const kOwnLenses =
+    "lenses:\n  own: {focal_length_mm: 60, standoff_mm: 61, working_range_mm: 5, accuracy_mm: 0.01, "
+    "spot_diameter_mm: 0.02, max_incidence_deg: 70, rate_hz: 500, verified: no}\n";
+
+TEST(Scenario, TakesItsMachineFromAFileAndOverridesIt) {
+  const ScratchFolder scratch;
+  std::filesystem::create_directory(scratch / "machines");
+  scratch.write("machines/lenses.yaml", kOwnLenses);
+  scratch.write("machines/m.yaml",
+                "lens: {table: lenses.yaml, name: own}\ntravel: {to: {x_mm: 77}}\n"
+                "mcs_from_fixture: {translation_mm: [0, 0, 5]}\n");
+  const Scenario scenario = read_scenario(scratch.write(
+      "case.yaml", std::string(kSmallest) + "machine: {file: machines/m.yaml, travel: {to: {y_mm: "
+                                            "88}}, lens: {accuracy_mm: 0.02}}\n"));
+  EXPECT_EQ(scenario.machine.lens.name, "own");
+  EXPECT_EQ(scenario.machine.lens.standoff_mm, 61.0);
+  EXPECT_EQ(scenario.machine.lens.accuracy_mm, 0.02);
+  EXPECT_FALSE(scenario.machine.lens.verified);
+  EXPECT_EQ(scenario.machine.limits.upper.x_mm, 77.0);
+  EXPECT_EQ(scenario.machine.limits.upper.y_mm, 88.0);
+  EXPECT_EQ(scenario.machine.mcs_from_fixture.translation_mm.z(), 5.0);
+}
+
+// The table for users and the lenses that the library knows say the same.
+TEST(Scenario, LensTableOfTheProjectHoldsThePapersLenses) {
+  for (const char* name : {"25mm", "100mm"}) {
+    const Scenario scenario = read(
+        std::string(kSmallest) +
+        "machine: {lens: {table: " TRUEBLADE_SOURCE_DIR "/scenarios/machines/lenses.yaml, name: " + name +
+        "}}\n");
+    const Lens& lens = scenario.machine.lens;
+    const Lens known = standard_lens(name);
+    EXPECT_TRUE(lens.verified);
+    EXPECT_EQ(lens.focal_length_mm, known.focal_length_mm);
+    EXPECT_EQ(lens.standoff_mm, known.standoff_mm);
+    EXPECT_EQ(lens.working_range_mm, known.working_range_mm);
+    EXPECT_EQ(lens.accuracy_mm, known.accuracy_mm);
+    EXPECT_EQ(lens.accuracy_is_limit, known.accuracy_is_limit);
+    EXPECT_EQ(lens.spot_diameter_mm, known.spot_diameter_mm);
+    EXPECT_DOUBLE_EQ(lens.max_incidence_rad, known.max_incidence_rad);
+    EXPECT_EQ(lens.rate_hz, known.rate_hz);
+  }
+}
+
+TEST(Scenario, FinishIsNamedOrStated) {
+  const auto finish_of = [](const std::string& finish) {
+    return read(std::string(kSmallest) + "machine: {simulation: {sensor: {finish: {" + finish + "}}}}\n")
+        .machine.simulation.sensor.finish;
+  };
+  EXPECT_EQ(finish_of("kind: polished").specular_share, polished_finish().specular_share);
+  EXPECT_EQ(finish_of("kind: polished, lobe_exponent: 77").lobe_exponent, 77.0);
+}
+
+TEST(Scenario, ChoosesViewsItselfWhenAsked) {
+  const Scenario scenario = read(
+      "part: {demonstration: turbine_blade}\nscan: {automatic_views: {most_views: 3, candidate_step_deg: "
+      "15}}\n");
+  ASSERT_TRUE(scenario.scan.automatic_views);
+  EXPECT_EQ(scenario.scan.automatic_views->most_views, 3u);
+  EXPECT_TRUE(scenario.scan.views.empty());
+}
+
 void expect_identity(const Scenario& scenario) {
   const std::string written = scenario_text(scenario);
   const ScratchFolder scratch;
@@ -68,6 +130,8 @@ void expect_identity(const Scenario& scenario) {
 
 TEST(Scenario, WrittenReadsBackToTheSame) {
   expect_identity(read(kSmallest));
+  expect_identity(
+      read("part: {demonstration: turbine_blade}\nscan: {automatic_views: {least_gain: 0.01}}\n"));
 }
 
 TEST(Scenario, WrittenReadsBackToTheSameWithoutADefaultLeft) {
@@ -88,9 +152,15 @@ machine:
   travel: {from: {x_mm: -1, theta_deg: -33.3}, to: {z_mm: 77.7}}
   dynamics: {speed: {theta_deg_per_s: 12.3}, acceleration: {x_mm_per_s2: 1000}}
   mcs_from_part: {rotation_wxyz: [0.6, 0, 0.8, 0], translation_mm: [0.1, 0.7, -3]}
+  mcs_from_fixture: {translation_mm: [0, 0, 32.1]}
+  probe: {radius_mm: 12, length_mm: 99, aperture_radius_mm: 2.5, clearance_mm: 0.7}
   simulation:
-    mcs_from_fixture: {translation_mm: [0, 0, 32.1]}
-    sensor: {noise_scale: 0.5, speckle: 0.1, finish: {specular_share: 0.3, lobe_exponent: 12}}
+    part_surface: exact
+    form_errors:
+      - {kind: platform_shift, top_mm: 0.5, blend_mm: 2, shift_mm: [0, 0.1, 0]}
+      - {kind: random, amplitude_mm: 0.01, correlation_length_mm: 7}
+    sensor: {noise_scale: 0.5, speckle: 0.1, finish: {specular_share: 0.3, lobe_exponent: 12}, quantisation_mm: 0.001,
+             exposure_s: 0.002, spot_scale: 2, contrast_depth_mm: 0.03, multiple_reflection: 0.2}
     errors:
       fixture_x: {mean_mm: 0.2, sigma_mm: 0.1}
       fixture_c: {mean_deg: 0.3, sigma_deg: 0.07, scope: view}
@@ -169,6 +239,18 @@ INSTANTIATE_TEST_SUITE_P(
                "case.yaml:3: backend is \"linuxnc\""},
         Defect{std::string(kSmallest) + "machine:\n  geometry:\n    beam_direction: [0, 0, 2]\n",
                "case.yaml:5: beam_direction has length 2"},
+        Defect{std::string(kSmallest) + "machine: {travel: {from: {x_mm: 5}, to: {x_mm: 3}}}\n",
+               "case.yaml:3: travel of x: from 5 to 3 mm"},
+        Defect{std::string(kSmallest) + "machine:\n  lens:\n    working_range_mm: 60\n",
+               "case.yaml:5: lens 25mm: working_range_mm is 60, must be below twice the standoff_mm"},
+        Defect{std::string(kSmallest) + "machine:\n  probe:\n    radius_mm: 0\n",
+               "case.yaml:5: probe body: radius_mm is 0, must be above 0"},
+        Defect{std::string(kSmallest) + "machine:\n  dynamics: {speed: {x_mm_per_s: 0}}\n",
+               "case.yaml:4: x_mm_per_s is 0, must be above 0"},
+        Defect{std::string(kSmallest) + "machine:\n  geometry:\n    y_direction: [1, 0, 0]\n",
+               "case.yaml:4: axis_direction: x, y and z span a volume of 0"},
+        Defect{"part: {demonstration: turbine_blade}\nscan:\n  views: [{name: a}]\n  automatic_views: {}\n",
+               "case.yaml:3: scan must have either views or automatic_views, not both"},
         Defect{std::string(kSmallest) + "machine: {simulation: {errors: {fixture_x: {sigma_mm: -0.1}}}}\n",
                "case.yaml:3: sigma_mm is -0.1, must be at least 0"},
         Defect{std::string(kSmallest) + "machine: {simulation: {errors: {fixture_x: {sigma_deg: 0.1}}}}\n",

@@ -1,0 +1,107 @@
+#include "apps/plan_scan.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "hardware/check_clearance.h"
+#include "hardware/execute_plan.h"
+
+namespace trueblade {
+namespace {
+
+PlanOptions plan_options(const Scenario& scenario) {
+  PlanOptions options;
+  options.spacing_mm = scenario.scan.spacing_mm;
+  options.surfaces = scenario.scan.surfaces;
+  options.max_incidence_rad = scenario.scan.max_incidence_rad;
+  options.probe = scenario.machine.probe;
+  return options;
+}
+
+ViewChoice choose_angles(const Scenario& scenario, const PartOnMachine& nominal) {
+  const MachineSpec& machine = scenario.machine;
+  return choose_view_angles(machine.geometry, machine.lens, machine.limits, *nominal.part, *nominal.caster,
+                            machine.mcs_from_part.inverse(), plan_options(scenario),
+                            *scenario.scan.automatic_views);
+}
+
+// theta_120, or theta_7.5 as theta_7p5: a name of files.
+std::string name_of_angle(double theta_rad) {
+  std::string name = fmt::format("theta_{:g}", std::round(theta_rad * 1800.0 / std::numbers::pi) / 10.0);
+  for (char& letter : name)
+    if (letter == '.') letter = 'p';
+  return name;
+}
+
+std::vector<ViewSpec> named_views(const std::vector<double>& theta_rad) {
+  std::vector<ViewSpec> views;
+  for (const double theta : theta_rad) views.push_back({name_of_angle(theta), theta});
+  return views;
+}
+
+const AxisPositions& last_position(const ScanPlan& plan) {
+  return plan.retreat.empty() ? plan.lines.back().path.back() : plan.retreat.back();
+}
+
+}  // namespace
+
+PartOnMachine put_on_machine(Part part) {
+  auto shared = std::make_shared<const Part>(std::move(part));
+  auto caster = std::make_shared<const RayCaster>(shared->model);
+  return {std::move(shared), std::move(caster)};
+}
+
+ViewsWithCoverage choose_and_cover(const Scenario& scenario, const PartOnMachine& nominal) {
+  const MachineSpec& machine = scenario.machine;
+  if (scenario.scan.automatic_views) {
+    ViewChoice choice = choose_angles(scenario, nominal);
+    return {named_views(choice.theta_rad), std::move(choice.coverage), choice.coverable};
+  }
+  std::vector<double> theta_rad;
+  for (const ViewSpec& view : scenario.scan.views) theta_rad.push_back(view.theta_rad);
+  return {scenario.scan.views,
+          coverage_of_views(machine.geometry, machine.lens, *nominal.part, *nominal.caster,
+                            machine.mcs_from_part.inverse(), plan_options(scenario), theta_rad,
+                            ViewAngleOptions().sample_count),
+          std::nullopt};
+}
+
+std::vector<ViewSpec> views_of(const Scenario& scenario, const PartOnMachine& nominal) {
+  if (!scenario.scan.automatic_views) return scenario.scan.views;
+  return named_views(choose_angles(scenario, nominal).theta_rad);
+}
+
+std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& nominal,
+                                 const std::vector<ViewSpec>& views) {
+  const MachineSpec& machine = scenario.machine;
+  const RigidTransform part_from_mcs = machine.mcs_from_part.inverse();
+  const ProbeClearance clearance(nominal.part->model, machine.probe);
+  std::vector<ScanPlan> plans;
+  AxisPositions at;  // home
+  for (const ViewSpec& view : views) {
+    PlanOptions options = plan_options(scenario);
+    options.view = view.name;
+    options.theta_rad = view.theta_rad;
+    plans.push_back(
+        plan_view(machine.geometry, machine.lens, *nominal.part, *nominal.caster, part_from_mcs, options));
+    check_travel(plans.back(), machine.limits);
+    check_clearance(plans.back(), machine.geometry, nominal.part->model, part_from_mcs, clearance,
+                    machine.probe, at);
+    at = last_position(plans.back());
+  }
+  return plans;
+}
+
+std::vector<double> estimated_times_s(const MachineSpec& machine, const std::vector<ScanPlan>& plans) {
+  std::vector<double> times_s;
+  AxisPositions at;  // home
+  for (const ScanPlan& plan : plans) {
+    times_s.push_back(estimated_time_s(plan, machine.dynamics, machine.lens, at));
+    at = last_position(plan);
+  }
+  return times_s;
+}
+
+}  // namespace trueblade
