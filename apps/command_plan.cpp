@@ -118,9 +118,7 @@ int plan(const PlanCommandOptions& options, bool json) {
   Planned planned;
   planned.chosen = choose_and_cover(scenario, nominal);
   const Coverage& coverage = planned.chosen.coverage;
-  const std::string covered = coverage_table(coverage, part);
-  if (!json) fmt::print("{}", covered);
-  // Coverage is told before the plan is tried: it explains a plan that fails.
+  // The pictures come before the plan is tried: they explain a plan that fails.
   write_file_atomically(folder / "coverage.svg",
                         [&](std::ostream& out) { out << coverage_svg(coverage, part); });
   render_coverage_png(folder / "coverage.png", part, *nominal.caster, coverage,
@@ -132,6 +130,7 @@ int plan(const PlanCommandOptions& options, bool json) {
     fmt::print("{}\n", plan_json(planned, part).dump(2));
     return ExitCode::done;
   }
+  fmt::print("{}", coverage_table(coverage, part));
   if (planned.chosen.coverable)
     fmt::print("all candidate angles together could see {:.1f} %\n", 100.0 * *planned.chosen.coverable);
   fmt::print("{}", views_table(planned));

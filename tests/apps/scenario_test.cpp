@@ -248,7 +248,7 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{std::string(kSmallest) + "machine:\n  dynamics: {speed: {x_mm_per_s: 0}}\n",
                "case.yaml:4: x_mm_per_s is 0, must be above 0"},
         Defect{std::string(kSmallest) + "machine:\n  geometry:\n    y_direction: [1, 0, 0]\n",
-               "case.yaml:4: axis_direction: x, y and z span a volume of 0"},
+               "case.yaml:5: axis_direction: x, y and z span a volume of 0"},
         Defect{"part: {demonstration: turbine_blade}\nscan:\n  views: [{name: a}]\n  automatic_views: {}\n",
                "case.yaml:3: scan must have either views or automatic_views, not both"},
         Defect{std::string(kSmallest) + "machine: {simulation: {errors: {fixture_x: {sigma_mm: -0.1}}}}\n",
