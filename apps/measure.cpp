@@ -29,7 +29,9 @@ VirtualSetup virtual_setup(const Scenario& scenario) {
   return setup;
 }
 
-VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal) {
+VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& planned) {
+  const PartOnMachine nominal =
+      scenario.part_on_table ? put_on_machine(make_part(*scenario.part_on_table)) : planned;
   const SimulationSpec& simulation = scenario.machine.simulation;
   const PartSurfaceMode finest = nominal.part->exact ? PartSurfaceMode::exact : PartSurfaceMode::facets;
   constexpr std::uint64_t kTrial = 0;  // an inspection is the first trial of a study of the same scenario
