@@ -7,6 +7,7 @@ namespace trueblade {
 std::vector<std::string> cautions(const ViewResult& view) {
   const RegistrationResult& registration = view.registration;
   std::vector<std::string> found;
+  if (!view.failure.empty()) return {fmt::format("view {}: {}", view.view, view.failure)};
   if (!is_converged(registration.termination))
     found.push_back(fmt::format("view {}: the registration did not converge ({}): its pose is no result",
                                 view.view, to_string(registration.termination)));

@@ -26,12 +26,23 @@ bool within_tolerance(const ViewResult& view, const std::pair<double, double>& t
 // Tells what the numbers alone do not, and returns whether everything is as it should be.
 bool tell_verdict(const Scenario& scenario, const ViewResult& view) {
   for (const std::string& caution : cautions(view)) spdlog::warn("{}", caution);
+  if (!view.failure.empty()) return false;
   const auto& tolerance = scenario.inspection.tolerance_mm;
   const bool tolerance_kept = !tolerance || within_tolerance(view, *tolerance);
   if (!tolerance_kept)
     spdlog::warn("view {}: deviations from {:.4f} to {:.4f} mm leave the tolerance of {} to {} mm", view.view,
                  view.statistics.min_mm, view.statistics.max_mm, tolerance->first, tolerance->second);
   return tolerance_kept && is_converged(view.registration.termination);
+}
+
+bool tell_decisions(const EvaluationResult& evaluation) {
+  bool all_conform = true;
+  for (const ProfileResult& profile : evaluation.profiles) {
+    if (profile.conformity == Conformity::conforming) continue;
+    all_conform = false;
+    spdlog::warn("profile {}: {}: {}", profile.callout.name, to_string(profile.conformity), profile.reason);
+  }
+  return all_conform;
 }
 
 void print_explanation(const InspectionResult& result, const std::filesystem::path& folder) {
@@ -51,6 +62,8 @@ Report: {}
         "  scan_{0}.ply  the points as measured;  {0}.exr  the range image\n",
         view.view);
   fmt::print(
+      "  report.html  all of it to look at, in any browser, without a network; statistics.csv and "
+      "features.csv\n"
       "  result.json  all numbers;  resolved.yaml  the scenario with all defaults, which runs again\n");
 }
 
@@ -67,8 +80,14 @@ int inspect(const InspectOptions& options, bool json) {
     fmt::print("{}", inspection_table(run.result));
     print_explanation(run.result, folder);
   }
-  bool all_well = true;
-  for (const ViewResult& view : run.result.views) all_well &= tell_verdict(scenario, view);
+  bool all_well = true, all_made = run.result.evaluation.missing.empty();
+  for (const ViewResult& view : run.result.views) {
+    all_well &= tell_verdict(scenario, view);
+    all_made &= view.failure.empty();
+  }
+  for (const std::string& missing : run.result.evaluation.missing) spdlog::error("missing: {}", missing);
+  all_well &= tell_decisions(run.result.evaluation);
+  if (!all_made) return ExitCode::bad_input;
   return all_well ? ExitCode::done : ExitCode::expectation_failed;
 }
 

@@ -104,6 +104,8 @@ int parse_and_run(const std::vector<std::string>& arguments) {
   add_regress_command(app, line);
   add_image_command(app, line);
   add_study_command(app, line);
+  add_report_command(app, line);
+  add_compare_command(app, line);
 
   if (const auto unknown = unknown_command(app, arguments)) throw InputError(*unknown);
   try {

@@ -8,6 +8,7 @@
 #include "apps/evaluate_view.h"
 #include "apps/pose_file.h"
 #include "apps/registration_fields.h"
+#include "apps/run_report.h"
 #include "apps/version.h"
 #include "geometry/atomic_file.h"
 #include "inspection/deviation_ply.h"
@@ -48,10 +49,11 @@ RegistrationSpec registration_of(const RegisterOptions& options) {
 }
 
 void write_report(const std::filesystem::path& folder, const InspectionResult& result,
-                  const EvaluatedView& view) {
+                  const EvaluatedView& view, const Part& part) {
   write_deviation_ply(folder / fmt::format("deviations_{}.ply", view.result.view), view.deviations,
                       view.result.view, result.run);
   write_result_json(folder / "result.json", result);
+  write_run_report(folder, &part);
   spdlog::info("report: {}", folder.string());
 }
 
@@ -80,9 +82,10 @@ int run_registration(const RegisterOptions& options, bool json) {
   if (!options.out.empty()) create_output_folder(options.out);
 
   const RegistrationTarget target(input.part);
-  const EvaluatedView view =
-      evaluate_view(target, "scan", input.scan, input.pose.part_from_mcs, registration.options,
-                    DeviationSurface::exact, input.pose.true_part_from_mcs);
+  ViewEvaluationOptions evaluation;
+  evaluation.registration = registration.options;
+  const EvaluatedView view = evaluate_view(target, "scan", input.scan, input.pose.part_from_mcs, evaluation,
+                                           input.pose.true_part_from_mcs);
   InspectionResult result;
   result.run.program_version = fmt::format("{} ({})", program_version(), program_commit());
   result.run.part = options.part_file;
@@ -92,7 +95,7 @@ int run_registration(const RegisterOptions& options, bool json) {
   result.run.deviations_from = to_string(DeviationSurface::exact);
   result.run.colour_limit_mm = rounded_colour_limit_mm(view.result.statistics.rms_mm);
   result.views.push_back(view.result);
-  if (!options.out.empty()) write_report(options.out, result, view);
+  if (!options.out.empty()) write_report(options.out, result, view, input.part);
 
   if (json)
     fmt::print("{}\n", result_json(result).dump(2));

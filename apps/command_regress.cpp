@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "apps/command.h"
 #include "apps/inspect_scenario.h"
@@ -12,10 +15,27 @@
 namespace trueblade {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 struct RegressOptions {
   std::vector<std::string> scenarios;
   std::string junit;
 };
+
+Verdict judge_refusal(const Scenario& scenario) {
+  Verdict verdict;
+  verdict.view = "scenario";
+  verdict.quantity = "error";
+  verdict.expected_text = scenario.expect_error;
+  verdict.got_text = "was not refused";
+  try {
+    inspect_scenario(scenario, std::nullopt);
+  } catch (const InputError& refusal) {
+    verdict.got_text = refusal.what();
+    verdict.holds = verdict.got_text.find(scenario.expect_error) != std::string::npos;
+  }
+  return verdict;
+}
 
 RegressionCase run_case(const std::string& file) {
   const auto start = std::chrono::steady_clock::now();
@@ -23,10 +43,16 @@ RegressionCase run_case(const std::string& file) {
   regression.scenario = std::filesystem::path(file).stem().string();
   try {
     const Scenario scenario = read_scenario(file);
-    if (scenario.expect.empty())
+    if (scenario.expect.empty() && scenario.expect_part.empty() && scenario.expect_error.empty())
       throw InputError(fmt::format("{}: has no expect block, so there is nothing to hold it to", file));
+    if (!scenario.expect_error.empty()) {
+      regression.verdicts = {judge_refusal(scenario)};
+      return regression;
+    }
     const InspectionRun run = inspect_scenario(scenario, std::nullopt);
     regression.verdicts = judge(scenario.expect, run.result.views);
+    const std::vector<Verdict> of_part = judge_part(scenario.expect_part, run.result.evaluation);
+    regression.verdicts.insert(regression.verdicts.end(), of_part.begin(), of_part.end());
   } catch (const InputError& failure) {
     regression.error = failure.what();
   }
@@ -34,49 +60,65 @@ RegressionCase run_case(const std::string& file) {
   return regression;
 }
 
+// All at once on as many threads as the machine has; each works on its own scenarios, and the loops inside a
+// scenario share the threads of the library.
+std::vector<RegressionCase> run_cases(const std::vector<std::string>& files) {
+  std::vector<RegressionCase> cases(files.size());
+  std::vector<char> ended(files.size(), 0);
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < files.size() && !interrupted(); i = next++) {
+      cases[i] = run_case(files[i]);
+      ended[i] = !interrupted();
+    }
+  };
+  std::vector<std::thread> workers;
+  const std::size_t count = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, files.size());
+  for (std::size_t w = 0; w < count; ++w) workers.emplace_back(work);
+  for (std::thread& worker : workers) worker.join();
+  std::vector<RegressionCase> finished;
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    if (ended[i]) finished.push_back(std::move(cases[i]));
+  return finished;
+}
+
 void print_case(const RegressionCase& regression) {
   fmt::print("{}  {}  {:.1f} s\n", regression.passed() ? "pass" : "FAIL", regression.scenario,
              regression.time_s);
   if (!regression.error.empty()) fmt::print("      {}\n", regression.error);
   for (const Verdict& verdict : regression.verdicts)
-    fmt::print("  {}  {:<12} {:<22} expected {:>9.5g} to {:>9.5g}   got {:>10.5g}\n",
-               verdict.holds ? "ok  " : "FAIL", verdict.view, verdict.quantity, verdict.low, verdict.high,
-               verdict.got);
+    fmt::print("  {}  {:<12} {:<34} expected {:<26} got {}\n", verdict.holds ? "ok  " : "FAIL", verdict.view,
+               verdict.quantity, expected_words(verdict), got_words(verdict));
 }
 
-nlohmann::ordered_json case_json(const RegressionCase& regression) {
-  nlohmann::ordered_json verdicts = nlohmann::ordered_json::array();
+Json case_json(const RegressionCase& regression) {
+  Json verdicts = Json::array();
   for (const Verdict& verdict : regression.verdicts)
-    verdicts.push_back({{"view", verdict.view},
-                        {"quantity", verdict.quantity},
-                        {"expected", {verdict.low, verdict.high}},
-                        {"got", verdict.got},  // NaN is written as null
-                        {"holds", verdict.holds}});
+    verdicts.push_back(
+        {{"view", verdict.view},
+         {"quantity", verdict.quantity},
+         {"expected",
+          verdict.expected_text.empty() ? Json({verdict.low, verdict.high}) : Json(verdict.expected_text)},
+         {"got", verdict.expected_text.empty() ? Json(verdict.got) : Json(verdict.got_text)},  // NaN: null
+         {"holds", verdict.holds}});
   return {{"scenario", regression.scenario},
           {"passed", regression.passed()},
-          {"error", regression.error.empty() ? nlohmann::ordered_json(nullptr)
-                                             : nlohmann::ordered_json(regression.error)},
+          {"error", regression.error.empty() ? Json(nullptr) : Json(regression.error)},
           {"time_s", regression.time_s},
           {"verdicts", verdicts}};
 }
 
 int regress(const RegressOptions& options, bool json) {
-  std::vector<RegressionCase> cases;
-  for (const std::string& file : options.scenarios) {
-    cases.push_back(run_case(file));
-    if (interrupted()) {
-      cases.pop_back();  // it did not run to its end
-      break;
-    }
-    if (!json) print_case(cases.back());
-  }
+  const std::vector<RegressionCase> cases = run_cases(options.scenarios);
+  if (!json)
+    for (const RegressionCase& one : cases) print_case(one);
   if (!options.junit.empty())
     write_file_atomically(options.junit, [&](std::ostream& out) { out << junit_xml(cases); });
 
   const auto failed = static_cast<std::size_t>(
       std::count_if(cases.begin(), cases.end(), [](const RegressionCase& one) { return !one.passed(); }));
   if (json) {
-    nlohmann::ordered_json document = nlohmann::ordered_json::array();
+    Json document = Json::array();
     for (const RegressionCase& one : cases) document.push_back(case_json(one));
     fmt::print("{}\n", document.dump(2));
   } else {

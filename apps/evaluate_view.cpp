@@ -2,7 +2,8 @@
 
 #include <chrono>
 
-#include "registration/register_scan.h"
+#include "inspection/datum_fit.h"
+#include "inspection/surface_statistics.h"
 
 namespace trueblade {
 namespace {
@@ -17,40 +18,29 @@ Vec3 centroid(const std::vector<Vec3>& points_mm) {
   return sum_mm / static_cast<double>(points_mm.size());
 }
 
-std::vector<SurfaceStatistics> statistics_by_surface(const Part& part, const Deviations& deviations) {
-  std::vector<std::vector<double>> signed_mm(part.surfaces.size());
-  std::vector<std::vector<bool>> is_outlier(part.surfaces.size());
-  for (std::size_t i = 0; i < deviations.size(); ++i) {
-    signed_mm[deviations.surface[i]].push_back(deviations.signed_mm[i]);
-    is_outlier[deviations.surface[i]].push_back(deviations.outliers.is_outlier[i]);
-  }
-  std::vector<SurfaceStatistics> result;
-  for (std::uint32_t surface = 0; surface < part.surfaces.size(); ++surface)
-    if (!signed_mm[surface].empty())
-      result.push_back(
-          {surface, part.surfaces[surface].name, statistics_of(signed_mm[surface], is_outlier[surface])});
-  return result;
-}
-
 }  // namespace
 
 EvaluatedView evaluate_view(const RegistrationTarget& target, const std::string& name, const ScanPoints& scan,
-                            const RigidTransform& initial_part_from_mcs, const RegistrationOptions& options,
-                            DeviationSurface surface,
+                            const RigidTransform& initial_part_from_mcs, const ViewEvaluationOptions& options,
                             const std::optional<RigidTransform>& true_part_from_mcs) {
   EvaluatedView view;
   view.result.view = name;
 
   const auto register_start = std::chrono::steady_clock::now();
-  view.result.registration = register_scan(target, scan, initial_part_from_mcs, options);
+  view.result.registration =
+      register_to_datum(target, scan, initial_part_from_mcs, options.registration, options.datum_surfaces);
   view.result.time.register_s = seconds_since(register_start);
 
   const auto evaluate_start = std::chrono::steady_clock::now();
   const RigidTransform& part_from_mcs = view.result.registration.part_from_mcs;
   view.deviations = evaluate_deviations(target.part(), target.tree(), target.pseudo_normals(), scan,
-                                        part_from_mcs, {surface});
-  view.result.statistics = statistics_of(view.deviations.signed_mm, view.deviations.outliers.is_outlier);
-  view.result.surfaces = statistics_by_surface(target.part(), view.deviations);
+                                        part_from_mcs, {options.surface});
+  const std::vector<bool>& is_outlier = view.deviations.outliers.is_outlier;
+  view.result.statistics = statistics_of(view.deviations.signed_mm, is_outlier);
+  view.result.from_facets = statistics_of(view.deviations.from_facets_mm, is_outlier);
+  if (options.tolerance)
+    view.result.tolerance = count_against(view.deviations.signed_mm, is_outlier, *options.tolerance);
+  view.result.surfaces = statistics_by_surface(target.part(), view.deviations, options.tolerance);
   view.result.time.evaluate_s = seconds_since(evaluate_start);
 
   if (true_part_from_mcs)

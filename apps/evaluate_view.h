@@ -17,10 +17,16 @@ struct EvaluatedView {
   Deviations deviations;
 };
 
+struct ViewEvaluationOptions {
+  RegistrationOptions registration;
+  DeviationSurface surface = DeviationSurface::exact;
+  std::vector<std::uint32_t> datum_surfaces;  // see register_to_datum
+  std::optional<Tolerance> tolerance;         // to count points against
+};
+
 // Throws InputError (see register_scan, evaluate_deviations).
 EvaluatedView evaluate_view(const RegistrationTarget& target, const std::string& name, const ScanPoints& scan,
-                            const RigidTransform& initial_part_from_mcs, const RegistrationOptions& options,
-                            DeviationSurface surface,
+                            const RigidTransform& initial_part_from_mcs, const ViewEvaluationOptions& options,
                             const std::optional<RigidTransform>& true_part_from_mcs);
 
 }  // namespace trueblade

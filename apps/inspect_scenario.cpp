@@ -11,13 +11,16 @@
 #include "apps/evaluate_view.h"
 #include "apps/interrupt.h"
 #include "apps/measure.h"
+#include "apps/run_report.h"
 #include "apps/version.h"
 #include "geometry/atomic_file.h"
+#include "geometry/error.h"
 #include "hardware/scan_file.h"
 #include "inspection/deviation_ply.h"
 #include "inspection/range_image_exr.h"
 #include "inspection/render_png.h"
 #include "inspection/result_json.h"
+#include "inspection/surface_selection.h"
 
 namespace trueblade {
 namespace {
@@ -28,6 +31,11 @@ struct FinishedView {
   MeasuredView measured;
   EvaluatedView evaluated;
 };
+
+std::optional<Tolerance> tolerance_of(const InspectionSpec& inspection) {
+  if (!inspection.tolerance_mm) return std::nullopt;
+  return Tolerance{inspection.tolerance_mm->first, inspection.tolerance_mm->second};
+}
 
 RunFacts run_facts(const Scenario& scenario, const Part& part) {
   RunFacts run;
@@ -43,6 +51,7 @@ RunFacts run_facts(const Scenario& scenario, const Part& part) {
   run.registration_preset = scenario.registration.preset;
   run.deviations_from = to_string(scenario.inspection.surface);
   run.colour_map = scenario.inspection.colour_map;
+  run.tolerance = tolerance_of(scenario.inspection);
   return run;
 }
 
@@ -88,19 +97,57 @@ void tell_samples(const ViewResult& result, std::size_t points) {
       result.view, points, result.planned, result.out_of_range, result.missed);
 }
 
-FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target, MeasuredView measured) {
+// One view of several seldom determines the pose by the datum surfaces it sees: there they hold all views
+// together (evaluate_together), and each view keeps its best fit.
+ViewEvaluationOptions view_options(const Part& part, const Scenario& scenario, std::size_t views) {
+  const bool only_view = views == 1;
+  return {
+      scenario.registration.options, scenario.inspection.surface,
+      only_view ? select_surfaces(part, scenario.inspection.datum_surfaces) : std::vector<std::uint32_t>{},
+      tolerance_of(scenario.inspection)};
+}
+
+FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target,
+                         const ViewEvaluationOptions& options, MeasuredView measured) {
   FinishedView view;
   std::optional<RigidTransform> true_pose;
   if (measured.truth) true_pose = measured.truth->part_from_mcs;
   view.evaluated = evaluate_view(target, measured.scan.view, measured.scan.points,
-                                 scenario.machine.mcs_from_part.inverse(), scenario.registration.options,
-                                 scenario.inspection.surface, true_pose);
+                                 scenario.machine.mcs_from_part.inverse(), options, true_pose);
   count_samples(measured, view.evaluated.result);
   tell_samples(view.evaluated.result, measured.scan.points.size());
   if (measured.truth && !measured.truth->deviation_mm.empty() && view.evaluated.result.truth)
     compare_with_true_form(*measured.truth, view.evaluated.deviations, *view.evaluated.result.truth);
   view.measured = std::move(measured);
   return view;
+}
+
+// A view that could not be measured or registered: its name, what was measured, and why.
+ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const std::string& failure) {
+  ViewResult view;
+  count_samples(measured, view);
+  view.view = plan.view;
+  view.theta_rad = plan.theta_rad;
+  view.planned = plan.point_count();
+  view.failure = failure;
+  view.statistics.points = measured.scan.points.size();
+  view.registration.initial_rms_mm = view.registration.weighted_rms_mm = kNoValue;
+  return view;
+}
+
+EvaluationSpec evaluation_spec(const Scenario& scenario, const Part& part) {
+  const InspectionSpec& inspection = scenario.inspection;
+  return {inspection.profiles, inspection.sections, inspection.groups,
+          select_surfaces(part, inspection.datum_surfaces),
+          inspection.point_uncertainty_mm.value_or(scenario.machine.lens.accuracy_mm)};
+}
+
+std::vector<ScanOfView> scans_of(const std::vector<FinishedView>& views) {
+  std::vector<ScanOfView> scans;
+  for (const FinishedView& view : views)
+    scans.push_back({view.evaluated.result.view, &view.measured.scan.points,
+                     &view.evaluated.result.registration, &view.evaluated.deviations});
+  return scans;
 }
 
 double colour_limit_mm(const Scenario& scenario, const std::vector<FinishedView>& views) {
@@ -131,8 +178,7 @@ void write_view(const Folder& folder, const Scenario& scenario, const PartOnMach
   const Viewpoint viewpoint =
       viewpoint_as_probe(result.view, beam_mcs, geometry.rotary_axis_direction, part_from_mcs);
   PictureOptions picture;
-  if (const auto& tolerance = scenario.inspection.tolerance_mm)
-    picture.tolerance = Tolerance{tolerance->first, tolerance->second};
+  picture.tolerance = run.tolerance;
   render_deviation_png(folder / fmt::format("{}.png", result.view), *nominal.part, *nominal.caster,
                        deviations, result, run, viewpoint, picture);
 }
@@ -153,21 +199,33 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
   std::optional<JournalSpec> journal;
   if (run_folder) journal = JournalSpec{*run_folder / "scan.journal", resume};
   Measurement measurement(scenario, nominal, journal);
+  const ViewEvaluationOptions options = view_options(*nominal.part, scenario, measurement.plans().size());
   std::vector<FinishedView> views;
   for (const ScanPlan& plan : measurement.plans()) {
-    MeasuredView measured = measurement.measure(plan);
-    if (run_folder) write_scan(*run_folder / fmt::format("scan_{}.ply", plan.view), measured.scan);
-    run.interrupted = !measured.scan.complete || interrupted();
-    if (run.interrupted) break;
-    spdlog::info("registering {} points of view {}", measured.scan.points.size(), plan.view);
-    views.push_back(finish_view(scenario, target, std::move(measured)));
+    MeasuredView measured;
+    try {
+      measured = measurement.measure(plan);
+      if (run_folder) write_scan(*run_folder / fmt::format("scan_{}.ply", plan.view), measured.scan);
+      run.interrupted = !measured.scan.complete || interrupted();
+      if (run.interrupted) break;
+      spdlog::info("registering {} points of view {}", measured.scan.points.size(), plan.view);
+      views.push_back(finish_view(scenario, target, options, measured));
+      run.result.views.push_back(views.back().evaluated.result);
+    } catch (const InputError& failure) {
+      run.result.views.push_back(failed_view(plan, measured, failure.what()));
+    }
   }
 
   run.result.run.colour_limit_mm = colour_limit_mm(scenario, views);
-  for (const FinishedView& view : views) run.result.views.push_back(view.evaluated.result);
+  run.result.evaluation =
+      evaluate_together(evaluation_spec(scenario, *nominal.part), target, scenario.registration.options,
+                        scenario.inspection.surface, scans_of(views));
   if (run_folder) {
     for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result.run);
-    if (!views.empty()) write_result_json(*run_folder / "result.json", run.result);
+    if (!run.result.views.empty()) {
+      write_result_json(*run_folder / "result.json", run.result);
+      write_run_report(*run_folder, nominal.part.get());
+    }
   }
   return run;
 }

@@ -47,8 +47,8 @@ std::string junit_xml(const std::vector<RegressionCase>& cases) {
     std::size_t tests = one.verdicts.size(), failures = 0;
     std::string body;
     for (const Verdict& verdict : one.verdicts) {
-      const std::string failure = fmt::format("{} is {}, expected {} to {}", verdict.quantity, verdict.got,
-                                              verdict.low, verdict.high);
+      const std::string failure =
+          fmt::format("{} is {}, expected {}", verdict.quantity, got_words(verdict), expected_words(verdict));
       failures += !verdict.holds;
       body += case_xml(one.scenario, fmt::format("{}.{}", verdict.view, verdict.quantity),
                        verdict.holds ? "" : failure);

@@ -31,7 +31,9 @@ VirtualSetup virtual_setup(const Scenario& scenario) {
   return setup;
 }
 
-VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal) {
+VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& planned) {
+  const PartOnMachine nominal =
+      scenario.part_on_table ? put_on_machine(make_part(*scenario.part_on_table)) : planned;
   const SimulationSpec& simulation = scenario.machine.simulation;
   const PartSurfaceMode finest = nominal.part->exact ? PartSurfaceMode::exact : PartSurfaceMode::facets;
   // Replicates of the form lie where no trial number reaches.

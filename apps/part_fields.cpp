@@ -1,5 +1,7 @@
 #include "apps/part_fields.h"
 
+#include <mutex>
+
 namespace trueblade {
 namespace {
 
@@ -92,6 +94,9 @@ void fields(YamlFields& io, PartSpec& part, const std::filesystem::path& folder)
 }
 
 Part make_part(const PartSpec& spec) {
+  // OpenCASCADE's readers and modellers keep global state; scenarios may run side by side.
+  static std::mutex one_at_a_time;
+  const std::lock_guard<std::mutex> lock(one_at_a_time);
   switch (spec.demonstration) {
     case Demonstration::turbine_blade:
       return make_turbine_blade(spec.turbine_blade, spec.options.faceting);

@@ -11,11 +11,6 @@
 namespace trueblade {
 namespace {
 
-constexpr std::pair<std::string_view, DeviationSurface> kDeviationSurfaces[] = {
-    {"exact", DeviationSurface::exact}, {"facets", DeviationSurface::facets}};
-constexpr std::pair<std::string_view, ColourMap> kColourMaps[] = {
-    {"blue_green_red", ColourMap::blue_green_red}, {"blue_white_orange", ColourMap::blue_white_orange}};
-
 void check_file_name(const std::string& key, const std::string& name) {
   const auto is_plain = [](unsigned char letter) {
     return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
@@ -67,13 +62,6 @@ void fields(YamlFields& io, ScanSpec& scan) {
   if (io.present("views") && !scan.automatic_views) io.check([&] { check_views(scan.views); });
 }
 
-void fields(YamlFields& io, InspectionSpec& inspection) {
-  io.choice<DeviationSurface>("surface", inspection.surface, kDeviationSurfaces);
-  io.interval("tolerance_mm", inspection.tolerance_mm);
-  io.number("colour_limit_mm", inspection.colour_limit_mm, above(0.0));
-  io.choice<ColourMap>("colour_map", inspection.colour_map, kColourMaps);
-}
-
 void check_expected_views(const Scenario& scenario) {
   if (scenario.scan.automatic_views) return;  // named once they are chosen
   for (const auto& [name, expectation] : scenario.expect) {
@@ -90,6 +78,8 @@ void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& fol
   io.integer("trial", scenario.trial, 0, std::numeric_limits<std::uint64_t>::max() / 2);
   io.require("part");
   io.map("part", [&](YamlFields& inner) { fields(inner, scenario.part, folder); });
+  io.optional_map<PartSpec>("part_on_table", scenario.part_on_table,
+                            [&](YamlFields& inner, PartSpec& part) { fields(inner, part, folder); });
   io.map("machine", [&](YamlFields& inner) { fields(inner, scenario.machine, folder); });
   io.require("scan");
   io.map("scan", [&](YamlFields& inner) { fields(inner, scenario.scan); });
@@ -97,6 +87,9 @@ void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& fol
   io.map("inspection", [&](YamlFields& inner) { fields(inner, scenario.inspection); });
   io.named<ViewExpectation>("expect", scenario.expect,
                             [](YamlFields& inner, ViewExpectation& view) { fields(inner, view); });
+  if (io.reading() || !scenario.expect_error.empty()) io.text("expect_error", scenario.expect_error);
+  io.named<PartExpectation>("expect_part", scenario.expect_part,
+                            [](YamlFields& inner, PartExpectation& part) { fields(inner, part); });
   io.check([&] {
     check_file_name("name", scenario.name);
     check_expected_views(scenario);

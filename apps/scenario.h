@@ -10,13 +10,12 @@
 #include <vector>
 
 #include "apps/expectation.h"
+#include "apps/inspection_fields.h"
 #include "apps/machine_fields.h"
 #include "apps/part_fields.h"
 #include "apps/registration_fields.h"
 #include "apps/yaml_reader.h"
 #include "hardware/view_angles.h"
-#include "inspection/colour_map.h"
-#include "inspection/deviations.h"
 
 namespace trueblade {
 
@@ -34,24 +33,20 @@ struct ScanSpec {
   std::optional<double> max_incidence_rad;  // default: the lens's own limit
 };
 
-struct InspectionSpec {
-  DeviationSurface surface = DeviationSurface::exact;
-  std::optional<std::pair<double, double>> tolerance_mm;  // lower, upper
-  std::optional<double> colour_limit_mm;  // default: from the RMS, see rounded_colour_limit_mm
-  ColourMap colour_map = ColourMap::blue_green_red;
-};
-
 struct Scenario {
   std::string name;  // as view names; the run folder is called after it
   std::string description;
   std::uint64_t seed = 1;
   std::uint64_t trial = 0;  // which draw of the errors; trial N of a study with this seed
   PartSpec part;
+  std::optional<PartSpec> part_on_table;  // simulated only: another part than the nominal one
   MachineSpec machine;
   ScanSpec scan;
   RegistrationSpec registration;
   InspectionSpec inspection;
   std::map<std::string, ViewExpectation> expect;  // by view
+  std::string expect_error;  // words of the message with which the scenario is expected to be refused
+  std::map<std::string, PartExpectation> expect_part;  // by the names of judge_part
 };
 
 // Throws InputError naming file and line. Paths in the file are relative to its folder. A scenario without a

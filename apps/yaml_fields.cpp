@@ -194,6 +194,14 @@ void YamlFields::texts(std::string_view key, std::vector<std::string>& values) {
   scalars(key, values);
 }
 
+void YamlFields::numbers(std::string_view key, std::vector<double>& values) {
+  std::vector<std::string> texts;
+  for (const double value : values) texts.push_back(number_text(value));
+  if (!scalars(key, texts) || !reading()) return;
+  values.clear();
+  for (const std::string& text : texts) values.push_back(parse(key, text, any_number()));
+}
+
 void YamlFields::pose(std::string_view key, RigidTransform& target_from_source) {
   map(key, [&](YamlFields& io) {
     const Eigen::Quaterniond& rotation = target_from_source.rotation;

@@ -81,6 +81,7 @@ class YamlFields {
   // [low, high], low <= high.
   void interval(std::string_view key, std::optional<std::pair<double, double>>& value);
   void texts(std::string_view key, std::vector<std::string>& values);
+  void numbers(std::string_view key, std::vector<double>& values);
   // {rotation_wxyz: [w, x, y, z], translation_mm: [x, y, z]}
   void pose(std::string_view key, RigidTransform& target_from_source);
 

@@ -8,7 +8,9 @@
 
 #include "geometry/rigid_transform.h"
 #include "inspection/colour_map.h"
+#include "inspection/evaluation.h"
 #include "inspection/statistics.h"
+#include "inspection/tolerance.h"
 #include "registration/result.h"
 
 namespace trueblade {
@@ -21,13 +23,14 @@ struct RunFacts {
   std::string date;  // ISO 8601, empty when not stated
   std::string machine;
   std::string lens;
-  std::string part;                 // name or file
-  std::size_t surfaces = 0;         // CAD surfaces of the part
-  std::size_t facets = 0;           // of its facet model
-  std::string registration_preset;  // "default", "zhu2007" ...
-  std::string rejection_rule;       // of the registration; the report's rule is its own, see statistics.h
-  std::string deviations_from;      // "exact" or "facets"
-  double colour_limit_mm = 0.0;     // ends of the colour scale
+  std::string part;                    // name or file
+  std::size_t surfaces = 0;            // CAD surfaces of the part
+  std::size_t facets = 0;              // of its facet model
+  std::string registration_preset;     // "default", "zhu2007" ...
+  std::string rejection_rule;          // of the registration; the report's rule is its own, see statistics.h
+  std::string deviations_from;         // "exact" or "facets"
+  double colour_limit_mm = 0.0;        // ends of the colour scale
+  std::optional<Tolerance> tolerance;  // of all deviations
   ColourMap colour_map = ColourMap::blue_green_red;
 };
 
@@ -56,6 +59,7 @@ struct SurfaceStatistics {
   std::uint32_t surface = 0;
   std::string name;
   DeviationStatistics statistics;
+  std::optional<ToleranceCounts> tolerance;  // against RunFacts::tolerance, without report outliers
 };
 
 struct ViewResult {
@@ -65,8 +69,11 @@ struct ViewResult {
   std::size_t out_of_range = 0;
   std::size_t missed = 0;
   std::size_t low_signal = 0;
+  std::string failure;  // why the view was not registered at all; all that follows is then empty
   RegistrationResult registration;
-  DeviationStatistics statistics;           // of the signed deviations, report outliers left out
+  DeviationStatistics statistics;   // of the signed deviations, report outliers left out
+  DeviationStatistics from_facets;  // the same points, against the facet model
+  std::optional<ToleranceCounts> tolerance;
   std::vector<SurfaceStatistics> surfaces;  // of the surfaces that were measured
   ViewTimes time;
   std::optional<PoseError> truth;  // in simulation
@@ -75,6 +82,7 @@ struct ViewResult {
 struct InspectionResult {
   RunFacts run;
   std::vector<ViewResult> views;
+  EvaluationResult evaluation;
 };
 
 }  // namespace trueblade

@@ -1,57 +1,20 @@
 #include "inspection/result_json.h"
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "geometry/atomic_file.h"
+#include "inspection/evaluation_json.h"
 
 namespace trueblade {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-Json pose_json(const RigidTransform& pose) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  const Vec3& t = pose.translation_mm;
-  return {{"rotation_wxyz", {number(q.w()), number(q.x()), number(q.y()), number(q.z())}},
-          {"translation_mm", {number(t.x()), number(t.y()), number(t.z())}}};
-}
-
-Json vector_json(const Vec3& v) {
-  return {number(v.x()), number(v.y()), number(v.z())};
-}
-
-Json covariance_json(const Mat6& covariance) {
-  Json rows = Json::array();
-  for (int r = 0; r < 6; ++r) {
-    Json row = Json::array();
-    for (int c = 0; c < 6; ++c) row.push_back(number(covariance(r, c)));
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-Json statistics_json(const DeviationStatistics& s) {
-  return {{"points", s.points},
-          {"outliers", s.left_out},
-          {"min_mm", number(s.min_mm)},
-          {"max_mm", number(s.max_mm)},
-          {"mean_mm", number(s.mean_mm)},
-          {"rms_mm", number(s.rms_mm)},
-          {"standard_deviation_mm", number(s.standard_deviation_mm)},
-          {"mean_positive_mm", number(s.mean_positive_mm)},
-          {"mean_negative_mm", number(s.mean_negative_mm)}};
-}
-
 Json cross_check_json(const CrossCheck& check) {
   return {{"agrees", check.agrees},
-          {"rotation_difference_rad", number(check.rotation_difference_rad)},
-          {"centroid_difference_mm", number(check.centroid_difference_mm)},
-          {"covariance_relative_difference", number(check.covariance_relative_difference)},
+          {"rotation_difference_rad", number_json(check.rotation_difference_rad)},
+          {"centroid_difference_mm", number_json(check.centroid_difference_mm)},
+          {"covariance_relative_difference", number_json(check.covariance_relative_difference)},
           {"summary", check.summary}};
 }
 
@@ -68,7 +31,8 @@ Json run_json(const RunFacts& run) {
           {"registration_preset", run.registration_preset},
           {"deviations_from", run.deviations_from},
           {"colour_map", to_string(run.colour_map)},
-          {"colour_limit_mm", number(run.colour_limit_mm)}};
+          {"colour_limit_mm", number_json(run.colour_limit_mm)},
+          {"tolerance_mm", run.tolerance ? tolerance_json(*run.tolerance) : Json(nullptr)}};
 }
 
 Json view_json(const RunFacts& run, const ViewResult& view) {
@@ -76,8 +40,10 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
   Json undetermined = Json::array();
   for (const UndeterminedDirection& direction : r.undetermined) undetermined.push_back(direction.words);
 
+  const bool registered = view.failure.empty();
   Json json = {{"view", view.view},
-               {"theta_rad", number(view.theta_rad)},
+               {"failure", registered ? Json(nullptr) : Json(view.failure)},
+               {"theta_rad", number_json(view.theta_rad)},
                {"points", view.statistics.points},
                {"surfaces", run.surfaces},
                {"facets", run.facets},
@@ -85,37 +51,44 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                 {{"planned", view.planned},
                  {"out_of_range", view.out_of_range},
                  {"missed", view.missed},
-                 {"low_signal", view.low_signal}}},
+                 {"low_signal", view.low_signal},
+                 {"points", view.statistics.points},
+                 {"left_out_by_registration", r.outliers},
+                 {"left_out_by_report", view.statistics.left_out}}},
                {"pose", pose_json(r.part_from_mcs)},
                {"pose_covariance", covariance_json(r.covariance)},
                {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
                {"undetermined", undetermined},
                {"iterations", r.iterations},
-               {"termination", to_string(r.termination)},
-               {"converged", is_converged(r.termination)},
+               {"termination", registered ? to_string(r.termination) : "not registered"},
+               {"converged", registered && is_converged(r.termination)},
                {"inliers", r.inliers},
                {"outliers", r.outliers},
-               {"initial_rms_mm", number(r.initial_rms_mm)},
-               {"weighted_rms_mm", number(r.weighted_rms_mm)},
-               {"rms_mm", number(view.statistics.rms_mm)},
-               {"min_mm", number(view.statistics.min_mm)},
-               {"max_mm", number(view.statistics.max_mm)},
+               {"initial_rms_mm", number_json(r.initial_rms_mm)},
+               {"weighted_rms_mm", number_json(r.weighted_rms_mm)},
+               {"rms_mm", number_json(view.statistics.rms_mm)},
+               {"min_mm", number_json(view.statistics.min_mm)},
+               {"max_mm", number_json(view.statistics.max_mm)},
                {"deviations", statistics_json(view.statistics)},
+               {"deviations_from_facets", statistics_json(view.from_facets)},
+               {"tolerance", view.tolerance ? counts_json(*view.tolerance) : Json(nullptr)},
                {"time_s",
-                {{"scan", number(view.time.scan_s)},
-                 {"register", number(view.time.register_s)},
-                 {"evaluate", number(view.time.evaluate_s)}}}};
+                {{"scan", number_json(view.time.scan_s)},
+                 {"register", number_json(view.time.register_s)},
+                 {"evaluate", number_json(view.time.evaluate_s)}}}};
   json["cross_check"] = r.cross_check ? cross_check_json(*r.cross_check) : Json(nullptr);
-  json["truth"] = view.truth ? Json{{"pose", pose_json(view.truth->true_part_from_mcs)},
-                                    {"translation_error_mm", number(view.truth->translation_error_mm)},
-                                    {"rotation_error_rad", number(view.truth->rotation_error_rad)},
-                                    {"true_deviation_rms_mm", number(view.truth->true_deviation_rms_mm)},
-                                    {"deviation_error_rms_mm", number(view.truth->deviation_error_rms_mm)}}
-                             : Json(nullptr);
+  json["truth"] = view.truth
+                      ? Json{{"pose", pose_json(view.truth->true_part_from_mcs)},
+                             {"translation_error_mm", number_json(view.truth->translation_error_mm)},
+                             {"rotation_error_rad", number_json(view.truth->rotation_error_rad)},
+                             {"true_deviation_rms_mm", number_json(view.truth->true_deviation_rms_mm)},
+                             {"deviation_error_rms_mm", number_json(view.truth->deviation_error_rms_mm)}}
+                      : Json(nullptr);
   json["per_surface"] = Json::array();
   for (const SurfaceStatistics& surface : view.surfaces) {
     Json entry = {{"surface", surface.surface}, {"name", surface.name}};
     entry.update(statistics_json(surface.statistics));
+    entry["tolerance"] = surface.tolerance ? counts_json(*surface.tolerance) : Json(nullptr);
     json["per_surface"].push_back(entry);
   }
   return json;
@@ -133,6 +106,7 @@ Json result_json(const InspectionResult& result) {
                {"run", run_json(result.run)},
                {"views", Json::array()}};
   for (const ViewResult& view : result.views) json["views"].push_back(view_json(result.run, view));
+  json.update(evaluation_json(result.evaluation));
   return json;
 }
 

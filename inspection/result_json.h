@@ -11,7 +11,7 @@ namespace trueblade {
 // Raised when a key is renamed, removed or changes its meaning; new keys alone do not raise it.
 inline constexpr int kResultSchemaVersion = 1;
 
-// The document, described key by key in docs/outputs.md. Numbers that do not exist are null.
+// The document, described by docs/result.schema.json. Numbers that do not exist are null.
 nlohmann::ordered_json result_json(const InspectionResult& result);
 
 // Throws InputError when the file cannot be written.

@@ -124,11 +124,13 @@ void move_to_exact_surface(const Part& part, const SectionPlane& plane, CutPoint
   cut.point_mm = point;
 }
 
-SectionOutline outline_of(const std::vector<CutPoint>& loop, const SectionPlane& plane) {
+}  // namespace
+
+SectionOutline outline_through(std::vector<Vec2> points_mm) {
   SectionOutline outline;
   Vec2 moment = Vec2::Zero();
-  const std::size_t n = loop.size();
-  for (const CutPoint& cut : loop) outline.point_mm.push_back(plane.section_mm(cut.point_mm));
+  const std::size_t n = points_mm.size();
+  outline.point_mm = std::move(points_mm);
   for (std::size_t i = 0; i < n; ++i) {
     const Vec2& before = outline.point_mm[(i + n - 1) % n];
     const Vec2& here = outline.point_mm[i];
@@ -144,8 +146,6 @@ SectionOutline outline_of(const std::vector<CutPoint>& loop, const SectionPlane&
   outline.centroid_mm = moment / outline.area_mm2;
   return outline;
 }
-
-}  // namespace
 
 SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double max_step_mm) {
   const auto loops = closed_loops(part.model, plane);
@@ -166,7 +166,14 @@ SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double m
       for (std::size_t i = begin; i < end; ++i) move_to_exact_surface(part, plane, loop[i]);
     });
   }
-  return outline_of(loop, plane);
+  // Crossings that nearly coincide would give normals from rounding.
+  std::vector<Vec2> points_mm;
+  for (const CutPoint& cut : loop) {
+    const Vec2 point = plane.section_mm(cut.point_mm);
+    const double apart_mm = points_mm.empty() ? max_step_mm : (point - points_mm.back()).norm();
+    if (apart_mm > 0.1 * max_step_mm) points_mm.push_back(point);
+  }
+  return outline_through(std::move(points_mm));
 }
 
 }  // namespace trueblade

@@ -33,6 +33,9 @@ struct SectionOutline {
   std::size_t size() const { return point_mm.size(); }
 };
 
+// The outline through points in order, counter-clockwise; normals, arc lengths and area follow from them.
+SectionOutline outline_through(std::vector<Vec2> points_mm);
+
 // The outline of the largest area where the plane cuts the part, with points no further apart than
 // `max_step_mm`; they lie on the exact CAD surface where the part has one. Throws InputError when the plane
 // misses the part or the facets there form no closed outline.

@@ -2,7 +2,8 @@
 
 namespace trueblade {
 
-std::vector<SurfaceStatistics> statistics_by_surface(const Part& part, const Deviations& deviations) {
+std::vector<SurfaceStatistics> statistics_by_surface(const Part& part, const Deviations& deviations,
+                                                     const std::optional<Tolerance>& tolerance) {
   std::vector<std::vector<double>> signed_mm(part.surfaces.size());
   std::vector<std::vector<bool>> is_outlier(part.surfaces.size());
   for (std::size_t i = 0; i < deviations.size(); ++i) {
@@ -12,7 +13,8 @@ std::vector<SurfaceStatistics> statistics_by_surface(const Part& part, const Dev
   std::vector<SurfaceStatistics> measured;
   for (std::uint32_t s = 0; s < part.surfaces.size(); ++s) {
     if (signed_mm[s].empty()) continue;
-    measured.push_back({s, part.surfaces[s].name, statistics_of(signed_mm[s], is_outlier[s])});
+    measured.push_back({s, part.surfaces[s].name, statistics_of(signed_mm[s], is_outlier[s]), std::nullopt});
+    if (tolerance) measured.back().tolerance = count_against(signed_mm[s], is_outlier[s], *tolerance);
   }
   return measured;
 }

@@ -13,13 +13,13 @@ trueblade_packages=(
   libceres-dev
   # scenarios, reports, command line
   libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libspdlog-dev libfmt-dev libopenexr-dev libpng-dev
-  libcairo2-dev fonts-dejavu-core
+  libcairo2-dev fonts-dejavu-core libjs-three
   # studies: results, plots, more than one machine
   libsqlite3-dev libjs-chart.js libopenmpi-dev openmpi-bin
   # checksums of journals and sample streams
   zlib1g-dev
   # tests and benchmarks
-  libgtest-dev libbenchmark-dev libnanoflann-dev
+  libgtest-dev libbenchmark-dev libnanoflann-dev python3-jsonschema chromium
 )
 
 package_is_installed() {

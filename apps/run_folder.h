@@ -1,0 +1,18 @@
+// Reading what an inspection left in its run folder.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "inspection/report_html.h"
+
+namespace trueblade {
+
+// result.json of the folder. Throws InputError naming the file when it is missing, no JSON, no result of
+// trueblade, or of a newer schema than this program knows.
+nlohmann::ordered_json read_result(const std::filesystem::path& folder);
+
+// The points of deviations_<view>.ply. Throws InputError naming the file when it is missing or damaged.
+ReportCloud read_cloud(const std::filesystem::path& folder, const std::string& view);
+
+}  // namespace trueblade

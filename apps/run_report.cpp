@@ -1,0 +1,94 @@
+#include "apps/run_report.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include "apps/run_folder.h"
+#include "apps/scenario.h"
+#include "geometry/atomic_file.h"
+#include "geometry/error.h"
+#include "inspection/result_csv.h"
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  text << stream.rdbuf();
+  return text.str();
+}
+
+RigidTransform pose_of(const Json& pose) {
+  const Json &q = pose.at("rotation_wxyz"), &t = pose.at("translation_mm");
+  RigidTransform transform;
+  transform.rotation = Eigen::Quaterniond(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(),
+                                          q.at(3).get<double>());
+  transform.translation_mm = Vec3(t.at(0).get<double>(), t.at(1).get<double>(), t.at(2).get<double>());
+  return transform;
+}
+
+Viewpoint viewpoint_of(const Scenario& scenario, const Json& view) {
+  const MachineGeometry& geometry = scenario.machine.geometry;
+  AxisPositions axes;
+  axes.theta_rad = view.at("theta_rad").get<double>();
+  return viewpoint_as_probe(view.at("view").get<std::string>(), beam_in_mcs(geometry, axes).direction,
+                            geometry.rotary_axis_direction, pose_of(view.at("pose")));
+}
+
+void attempt(std::vector<std::string>& missing, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const InputError& failure) {
+    missing.emplace_back(failure.what());
+  }
+}
+
+void write_text(const std::filesystem::path& file, const std::string& text) {
+  write_file_atomically(file, [&](std::ostream& out) { out << text; });
+}
+
+}  // namespace
+
+std::vector<std::string> write_run_report(const std::filesystem::path& folder, const Part* part) {
+  Report report;
+  report.result = read_result(folder);
+  report.part = part;
+  std::optional<Scenario> scenario;
+  const std::filesystem::path resolved = folder / "resolved.yaml";
+  if (std::filesystem::exists(resolved)) {
+    report.scenario = text_of(resolved);
+    attempt(report.missing, [&] { scenario = read_scenario(resolved); });
+  } else if (!part) {
+    report.missing.push_back(
+        fmt::format("{}: no such file, so that the part is not known", resolved.string()));
+  }
+  std::optional<Part> made;
+  if (!part && scenario)
+    attempt(report.missing, [&] {
+      made = make_part(scenario->part);
+      report.part = &*made;
+    });
+  try {
+    for (const Json& view : report.result.at("views")) {
+      if (!view.at("failure").is_null()) continue;
+      attempt(report.missing, [&] {
+        report.clouds.push_back(read_cloud(folder, view.at("view").get<std::string>()));
+        if (scenario) report.clouds.back().viewpoint = viewpoint_of(*scenario, view);
+      });
+    }
+    write_report_html(folder / "report.html", report);
+    write_text(folder / "statistics.csv", statistics_csv(report.result));
+    write_text(folder / "features.csv", features_csv(report.result));
+  } catch (const Json::exception& failure) {
+    throw InputError(fmt::format("{}: {}", (folder / "result.json").string(), failure.what()));
+  }
+  return report.missing;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,19 @@
+#include "inspection/datum_fit.h"
+
+namespace trueblade {
+
+RegistrationResult register_to_datum(const RegistrationTarget& target, const ScanPoints& scan,
+                                     const RigidTransform& initial_part_from_mcs,
+                                     const RegistrationOptions& options,
+                                     const std::vector<std::uint32_t>& datum_surfaces) {
+  RegistrationResult best_fit = register_scan(target, scan, initial_part_from_mcs, options);
+  if (datum_surfaces.empty()) return best_fit;
+  RegistrationOptions on_datum = options;
+  on_datum.surfaces = datum_surfaces;
+  RegistrationResult result = register_scan(target, scan, best_fit.part_from_mcs, on_datum);
+  result.initial_rms_mm = best_fit.initial_rms_mm;
+  result.iterations += best_fit.iterations;
+  return result;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,86 @@
+#include "inspection/result_csv.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Texts are quoted, with quotes doubled (RFC 4180).
+std::string cell(const Json& value) {
+  if (value.is_null()) return "";
+  if (!value.is_string()) return value.dump();
+  std::string quoted = "\"";
+  for (const char c : value.get<std::string>()) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string row(const std::vector<Json>& cells) {
+  std::string line;
+  for (const Json& value : cells) line += (line.empty() ? "" : ",") + cell(value);
+  return line + "\r\n";
+}
+
+constexpr const char* kStatistics[] = {
+    "points",           "outliers",        "min_mm", "max_mm", "mean_mm", "rms_mm", "standard_deviation_mm",
+    "mean_positive_mm", "mean_negative_mm"};
+constexpr const char* kCounts[] = {"percent_within", "percent_over", "percent_under"};
+
+std::string statistics_row(const Json& view, const Json& surface, const Json& name, const Json& statistics,
+                           const Json& tolerance) {
+  std::vector<Json> cells{view, surface, name};
+  for (const char* key : kStatistics) cells.push_back(statistics.at(key));
+  for (const char* key : kCounts) cells.push_back(tolerance.is_null() ? Json(nullptr) : tolerance.at(key));
+  return row(cells);
+}
+
+std::string differences(const char* kind, const Json& list) {
+  std::string text;
+  for (const Json& difference : list)
+    for (const auto& component : difference.at("components").items()) {
+      const std::string name = component.key();
+      text += row({kind, difference.at("of"), name.substr(0, name.rfind('_')),
+                   name.substr(name.rfind('_') + 1), 0.0, component.value().at("value"),
+                   component.value().at("value"), component.value().at("standard_uncertainty"),
+                   "from " + difference.at("from").get<std::string>()});
+    }
+  return text;
+}
+
+}  // namespace
+
+std::string statistics_csv(const Json& result) {
+  std::string text = "view,surface,name";
+  for (const char* key : kStatistics) text += fmt::format(",{}", key);
+  for (const char* key : kCounts) text += fmt::format(",{}", key);
+  text += "\r\n";
+  for (const Json& view : result.at("views")) {
+    text += statistics_row(view.at("view"), nullptr, nullptr, view.at("deviations"), view.at("tolerance"));
+    for (const Json& surface : view.at("per_surface"))
+      text += statistics_row(view.at("view"), surface.at("surface"), surface.at("name"), surface,
+                             surface.at("tolerance"));
+  }
+  return text;
+}
+
+std::string features_csv(const Json& result) {
+  std::string text = "kind,where,name,unit,nominal,measured,deviation,standard_uncertainty,method\r\n";
+  for (const Json& section : result.at("sections"))
+    for (const Json& feature : section.at("features"))
+      text += row({"section", section.at("height_mm"), feature.at("name"), feature.at("unit"),
+                   feature.at("nominal"), feature.at("measured"), feature.at("deviation"),
+                   feature.at("standard_uncertainty"), feature.at("method")});
+  for (const Json& profile : result.at("profiles"))
+    text += row({"profile", profile.at("name"), "profile", "mm", 0.0, profile.at("profile_mm"),
+                 profile.at("profile_mm"), nullptr, profile.at("conformity")});
+  text += differences("offset", result.at("offsets"));
+  if (!result.at("joint").is_null())
+    text += differences("between views", result.at("joint").at("between_views"));
+  return text;
+}
+
+}  // namespace trueblade

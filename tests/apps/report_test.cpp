@@ -1,0 +1,169 @@
+// The report of a run: result.json keeps its schema; the page opens in headless Chromium without a console
+// error, shows a picture that is not empty, lets a point be picked and colours the surface; `report` makes
+// the same files again and says what a folder lacks; `compare` tells what changed; views and features that
+// fail leave the rest of the report. Tests that need Chromium or python3-jsonschema are skipped where these
+// are absent.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/sample_inputs.h"
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::json;
+
+// Profiles, groups and a section (45 degrees wide in the cube's own frame there is a square to cut).
+constexpr const char* kInspection = R"(inspection:
+  tolerance_mm: [-0.05, 0.05]
+  profiles:
+    - {name: all, tolerance_mm: [-0.05, 0.05]}
+    - {name: unknown, surfaces: ["7"], tolerance_mm: [-0.05, 0.05]}
+  sections: {heights_mm: [5, 50], half_width_mm: 0.5}
+)";
+
+bool succeeds(const std::string& command) {
+  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
+}
+
+class ReportTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_.write("full.yaml", std::string(kCubeScenario) + kInspection);
+    inspected_ = run_trueblade({"inspect", "full.yaml", "--out", "run"}, folder_.path());
+  }
+  Json result() const { return Json::parse(text_of(folder_ / "run/result.json")); }
+
+  CubeFolder folder_;
+  ChildResult inspected_;
+};
+
+TEST_F(ReportTest, WhatIsMissingIsNamedAndTheRestIsMade) {
+  EXPECT_EQ(inspected_.exit_code, 2);
+  EXPECT_NE(inspected_.err.find("profile unknown: surface \"7\" does not exist"), std::string::npos)
+      << inspected_.err;
+  EXPECT_NE(inspected_.err.find("section at 50 mm"), std::string::npos) << inspected_.err;
+  const Json document = result();
+  EXPECT_EQ(document["missing"].size(), 2u);
+  ASSERT_EQ(document["profiles"].size(), 1u);
+  EXPECT_EQ(document["profiles"][0]["conformity"], "conforming");
+  EXPECT_GT(document["joint"]["inliers"].get<int>(), 100);
+  EXPECT_EQ(document["sections"].size(), 2u);
+  const std::string html = text_of(folder_ / "run/report.html");
+  EXPECT_NE(html.find("section at 50 mm"), std::string::npos);
+  EXPECT_EQ(html.find("src=\""), std::string::npos);  // nothing is fetched
+  EXPECT_NE(text_of(folder_ / "run/statistics.csv").find("\"turned\""), std::string::npos);
+}
+
+TEST_F(ReportTest, TheResultKeepsItsSchema) {
+  if (!succeeds("python3 -c 'import jsonschema'")) GTEST_SKIP() << "python3-jsonschema is not installed";
+  const std::string check =
+      "python3 -c \"import json, jsonschema, sys; jsonschema.validate(json.load(open(sys.argv[1])), "
+      "json.load(open(sys.argv[2])))\" ";
+  const std::string schema = std::string(" ") + TRUEBLADE_SOURCE_DIR + "/docs/result.schema.json";
+  EXPECT_TRUE(succeeds(check + (folder_ / "run/result.json").string() + schema));
+  Json broken = result();
+  broken["views"][0].erase("rms_mm");
+  EXPECT_FALSE(succeeds(check + folder_.write("broken.json", broken.dump()).string() + schema));
+}
+
+TEST_F(ReportTest, OpensInARealBrowser) {
+  if (!succeeds("command -v chromium")) GTEST_SKIP() << "chromium is not installed";
+  const std::filesystem::path dom = folder_ / "dom.html", log = folder_ / "browser.log";
+  const std::string command =
+      "timeout 100 chromium --headless=new --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
+      "--enable-unsafe-swiftshader --window-size=1400,1000 --enable-logging=stderr "
+      "--virtual-time-budget=20000 "
+      "--user-data-dir=" +
+      (folder_ / "profile").string() + " --dump-dom 'file://" + (folder_ / "run/report.html").string() +
+      "#selftest' >" + dom.string() + " 2>" + log.string();
+  ASSERT_EQ(std::system(command.c_str()), 0) << text_of(log);
+  EXPECT_EQ(text_of(log).find("CONSOLE"), std::string::npos) << text_of(log);
+  const std::string page = text_of(dom);
+  const std::string mark = "<pre id=\"selftest\">";
+  const std::size_t begin = page.find(mark);
+  ASSERT_NE(begin, std::string::npos) << "the page did not run to its end";
+  const std::size_t end = page.find("</pre>", begin);
+  const Json found = Json::parse(page.substr(begin + mark.size(), end - begin - mark.size()));
+  EXPECT_TRUE(found["errors"].empty()) << found;
+  ASSERT_TRUE(found["webgl"].get<bool>()) << found;
+  EXPECT_GT(found["points"].get<int>(), 500);
+  // The cube fills a good part of the picture; grey part and coloured points make many colours.
+  EXPECT_GT(found["painted"].get<double>(), 0.05 * found["pixels"].get<double>()) << found;
+  EXPECT_GT(found["colours"].get<int>(), 20) << found;
+  EXPECT_NE(found["picked"].get<std::string>().find("view front, point"), std::string::npos) << found;
+  EXPECT_GT(found["surface_differs"].get<int>(), 1000) << found;
+}
+
+TEST_F(ReportTest, IsMadeAgainFromTheFolder) {
+  const std::string first = text_of(folder_ / "run/report.html");
+  std::filesystem::remove(folder_ / "run/report.html");
+  const ChildResult again = run_trueblade({"report", "run"}, folder_.path());
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(text_of(folder_ / "run/report.html"), first);
+
+  std::filesystem::remove(folder_ / "run/deviations_front.ply");
+  std::filesystem::remove(folder_ / "run/resolved.yaml");
+  const ChildResult partly = run_trueblade({"report", "run"}, folder_.path());
+  EXPECT_EQ(partly.exit_code, 2);
+  EXPECT_NE(partly.err.find("deviations_front.ply"), std::string::npos) << partly.err;
+  EXPECT_NE(text_of(folder_ / "run/report.html").find("deviations_front.ply: no such file"),
+            std::string::npos);
+}
+
+TEST_F(ReportTest, AFolderThatItCannotReadIsRefused) {
+  EXPECT_NE(
+      run_trueblade({"report", "nowhere"}, folder_.path()).err.find("nowhere/result.json: no such file"),
+      std::string::npos);
+  Json newer = result();
+  newer["schema_version"] = 99;
+  folder_.write("run/result.json", newer.dump());
+  const ChildResult refused = run_trueblade({"report", "run"}, folder_.path());
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.err.find("written by a newer trueblade"), std::string::npos) << refused.err;
+  for (const char* text :
+       {"", "[1, 2]", "{\"schema\": 7}", "{\"schema\": \"trueblade-result\", \"schema_version\": 1}"}) {
+    folder_.write("run/result.json", text);
+    EXPECT_EQ(run_trueblade({"report", "run"}, folder_.path()).exit_code, 2) << text;
+  }
+}
+
+TEST_F(ReportTest, CompareTellsWhatChanged) {
+  ASSERT_EQ(
+      run_trueblade({"inspect", "full.yaml", "--out", "other", "--seed", "6"}, folder_.path()).exit_code, 2);
+  const ChildResult same = run_trueblade({"compare", "run", "run"}, folder_.path());
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  const ChildResult changed = run_trueblade({"compare", "run", "other"}, folder_.path());
+  EXPECT_EQ(changed.exit_code, 0) << changed.err;
+  EXPECT_NE(changed.out.find("seed: 5 in the first run, 6 in the second"), std::string::npos) << changed.out;
+  const Json json = Json::parse(run_trueblade({"compare", "run", "other", "--json"}, folder_.path()).out);
+  bool found = false;
+  for (const Json& change : json["changes"])
+    if (change["what"] == "view front" && change["name"] == "rms_mm") {
+      found = true;
+      EXPECT_NEAR(change["difference"].get<double>(),
+                  change["after"].get<double>() - change["before"].get<double>(), 1e-15);
+    }
+  EXPECT_TRUE(found);
+}
+
+TEST(FailedView, LeavesTheOthers) {
+  const CubeFolder folder;
+  // A fixture error of 100 mm takes the cube out of the lens's range and of the planned lines.
+  std::string lost = kCubeScenario;
+  lost.replace(lost.find("fixture_y: {mean_mm: -0.3}"), 26, "fixture_y: {mean_mm: -60, scope: view}");
+  folder.write("lost.yaml", lost + "expect: {front: {fails: \"none of\"}, turned: {fails: \"none of\"}}\n");
+  const ChildResult result = run_trueblade({"inspect", "lost.yaml", "--out", "run"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  const Json document = Json::parse(text_of(folder / "run/result.json"));
+  EXPECT_EQ(document["views"][0]["termination"], "not registered");
+  EXPECT_TRUE(document["views"][0]["rms_mm"].is_null());
+  EXPECT_TRUE(std::filesystem::exists(folder / "run/report.html"));
+  const ChildResult regress = run_trueblade({"regress", "lost.yaml"}, folder.path());
+  EXPECT_EQ(regress.exit_code, 0) << regress.out << regress.err;
+}
+
+}  // namespace
+}  // namespace trueblade

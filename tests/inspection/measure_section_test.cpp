@@ -1,0 +1,179 @@
+// Covers: chord, thickness, edge radii, stagger, twist and displacement of an elliptic cylinder that was
+// scaled, turned and shifted, against closed forms; bow; sections outside the part and without points; an
+// edge that was not measured; limits of the specification.
+#include "inspection/measure_section.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "geometry/error.h"
+#include "geometry/random.h"
+#include "tests/inspection/fixtures.h"
+
+namespace trueblade {
+namespace {
+
+constexpr double kHalfChord = 15.0, kHalfThickness = 2.0;
+
+Vec3 on_ellipse(double t, double z) {
+  return {kHalfChord * std::cos(t), kHalfThickness * std::sin(t), z};
+}
+
+// |z| <= 5, 2000 facets around: at the edges 6 um apart on a radius of 0.27 mm, sagitta 0.02 um.
+const Part& elliptic_cylinder() {
+  static const Part part = [] {
+    constexpr std::uint32_t n = 2000;
+    FacetSoup soup;
+    for (const double z : {-5.0, 5.0})
+      for (std::uint32_t i = 0; i < n; ++i)
+        soup.nodes_mm.push_back(on_ellipse(2.0 * std::numbers::pi * i / n, z));
+    soup.nodes_mm.push_back({0, 0, -5});
+    soup.nodes_mm.push_back({0, 0, 5});
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t j = (i + 1) % n;
+      soup.facets.push_back({i, j, n + j});
+      soup.facets.push_back({i, n + j, n + i});
+      soup.facets.push_back({2 * n, j, i});
+      soup.facets.push_back({2 * n + 1, n + i, n + j});
+    }
+    Part made;
+    FacetModelBuild build = build_facet_model(soup, 0.0);
+    made.model = std::move(build.model);
+    made.surfaces = {{"all", "facets", made.model.facet_count(), made.model.area_mm2()}};
+    return made;
+  }();
+  return part;
+}
+
+using Deformation = std::function<Vec3(const Vec3&)>;
+
+// Rows of points 0.3 mm apart, 1500 around in each; `keep` chooses by the angle of the ellipse.
+Deviations measured(
+    const Deformation& deformed, double noise_mm = 0.0,
+    const std::function<bool(double)>& keep = [](double) { return true; }) {
+  ScanPoints scan;
+  Rng random(7, 0, "section test");
+  for (int row = -3; row <= 3; ++row)
+    for (int i = 0; i < 1500; ++i) {
+      const double t = 2.0 * std::numbers::pi * (i + 0.1 * row) / 1500.0;
+      if (!keep(t)) continue;
+      const Vec3 p = on_ellipse(t, 0.3 * row);
+      const Vec3 normal =
+          Vec3(p.x() / (kHalfChord * kHalfChord), p.y() / (kHalfThickness * kHalfThickness), 0).normalized();
+      scan.position_mcs_mm.push_back(deformed(p) + noise_mm * random.normal() * normal);
+    }
+  Deviations d = deviations_of(elliptic_cylinder(), scan, {});
+  d.outliers = {std::vector<bool>(d.size(), false), 0, 0.0, 0.0};  // the known deformation is no outlier
+  return d;
+}
+
+double value(const SectionResult& section, const char* name) {
+  const SectionFeature* feature = section.find(name);
+  EXPECT_NE(feature, nullptr) << name;
+  EXPECT_EQ(feature->reason, "") << name;
+  return feature->measured;
+}
+
+TEST(MeasureSection, NominalFeaturesAreTheEllipses) {
+  const SectionResult section =
+      measure_section(elliptic_cylinder(), {}, 0.0, measured([](const Vec3& p) { return p; }));
+  ASSERT_EQ(section.missing, "");
+  EXPECT_NEAR(section.find("chord")->nominal, 30.0, 1e-4);
+  EXPECT_NEAR(section.find("maximum_thickness")->nominal, 4.0, 1e-4);
+  EXPECT_NEAR(section.find("stagger")->nominal, 0.0, 1e-5);
+  for (const SectionFeature& feature : section.features) {
+    EXPECT_NEAR(feature.deviation(), 0.0, 1e-4) << feature.name;
+    EXPECT_NE(feature.method, "") << feature.name;
+  }
+  EXPECT_GT(section.covered_percent, 99.0);
+}
+
+TEST(MeasureSection, AScaledSectionScalesItsLengths) {
+  constexpr double scale = 1.002;  // chord + 60 um, thickness + 8 um
+  const SectionResult section =
+      measure_section(elliptic_cylinder(), {}, 0.0,
+                      measured([](const Vec3& p) { return Vec3(scale * p.x(), scale * p.y(), p.z()); }));
+  // Second order in the deviation's slope along the outline: (30 um / 1 mm)^2 of 1 mm is 1 um at the edges.
+  EXPECT_NEAR(value(section, "chord"), 30.0 * scale, 1e-3);
+  EXPECT_NEAR(value(section, "maximum_thickness"), 4.0 * scale, 1e-3);
+  const SectionFeature& radius = *section.find("leading_edge_radius");
+  EXPECT_NEAR(radius.measured / radius.nominal, scale, 1e-3);
+  EXPECT_NEAR(value(section, "twist"), 0.0, 1e-6);
+  EXPECT_NEAR(value(section, "displacement_x"), 0.0, 1e-4);
+}
+
+TEST(MeasureSection, ATurnedAndShiftedSectionIsToldFromItsShape) {
+  constexpr double twist = 1e-3;
+  const Vec3 shift(0.02, -0.03, 0.0);
+  const SectionResult section = measure_section(
+      elliptic_cylinder(), {}, 0.0,
+      measured([&](const Vec3& p) { return Vec3(rotation_from_vector(Vec3(0, 0, twist)) * p + shift); }));
+  // The deviations are linear in twist and shift up to their square over the edge radius, 15 um^2 / 0.27 mm;
+  // the edges are a fiftieth of the outline.
+  EXPECT_NEAR(value(section, "twist"), twist, 1e-5);
+  EXPECT_NEAR(value(section, "displacement_x"), shift.x(), 1e-3);
+  EXPECT_NEAR(value(section, "displacement_y"), shift.y(), 1e-3);
+  EXPECT_NEAR(value(section, "stagger"), twist, 1e-4);
+  EXPECT_NEAR(value(section, "chord"), 30.0, 1e-3);
+  EXPECT_NEAR(value(section, "maximum_thickness"), 4.0, 1e-3);
+}
+
+TEST(MeasureSection, NoiseStaysWithinTheStatedUncertainty) {
+  const SectionResult section =
+      measure_section(elliptic_cylinder(), {}, 0.0, measured([](const Vec3& p) { return p; }, 0.003));
+  for (const SectionFeature& feature : section.features) {
+    EXPECT_GT(feature.uncertainty, 0.0) << feature.name;
+    EXPECT_LT(std::abs(feature.deviation()), 4.0 * feature.uncertainty) << feature.name;
+    EXPECT_LT(feature.uncertainty, 0.003) << feature.name;  // the noise of one point
+  }
+}
+
+TEST(MeasureSection, AnEdgeThatWasNotMeasuredHasNoChord) {
+  const SectionResult section = measure_section(
+      elliptic_cylinder(), {}, 0.0,
+      measured([](const Vec3& p) { return p; }, 0.0, [](double t) { return std::cos(t) < 0.95; }));
+  for (const char* name : {"chord", "stagger", "trailing_edge_radius"}) {
+    const SectionFeature& feature = *section.find(name);
+    EXPECT_NE(feature.reason, "") << name;
+    EXPECT_TRUE(std::isnan(feature.measured)) << name;
+  }
+  EXPECT_NEAR(value(section, "maximum_thickness"), 4.0, 1e-4);
+  EXPECT_NEAR(value(section, "twist"), 0.0, 1e-5);
+}
+
+TEST(MeasureSection, SaysWhatIsMissing) {
+  const Deviations nominal = measured([](const Vec3& p) { return p; });
+  EXPECT_NE(measure_section(elliptic_cylinder(), {}, 20.0, nominal).missing.find("no closed outline"),
+            std::string::npos);
+  const SectionResult empty = measure_section(elliptic_cylinder(), {}, 4.0, nominal);
+  EXPECT_NE(empty.missing.find("0 points within 1 mm"), std::string::npos) << empty.missing;
+  SectionsSpec crooked;
+  crooked.x_direction = Vec3::UnitZ();
+  EXPECT_THROW(crooked.validate(), InputError);
+}
+
+TEST(MeasureSection, BowIsTheDistanceFromTheLineOfTheEnds) {
+  std::vector<SectionResult> sections(3);
+  const double height[] = {0.0, 10.0, 40.0}, x[] = {0.1, 0.2, 0.3}, y[] = {0.0, 0.0, 0.08};
+  for (std::size_t k = 0; k < 3; ++k) {
+    sections[k].height_mm = height[k];
+    for (const auto& [name, v] : {std::pair{"displacement_x", x[k]}, std::pair{"displacement_y", y[k]}}) {
+      SectionFeature feature;
+      feature.name = name;
+      feature.measured = v;
+      feature.uncertainty = 0.001;
+      sections[k].features.push_back(feature);
+    }
+  }
+  add_bow(sections);
+  EXPECT_EQ(sections[0].find("bow_x"), nullptr);
+  EXPECT_NEAR(sections[1].find("bow_x")->measured, 0.2 - (0.1 + 0.25 * 0.2), 1e-12);
+  EXPECT_NEAR(sections[1].find("bow_y")->measured, -0.02, 1e-12);
+  EXPECT_NEAR(sections[1].find("bow_x")->uncertainty, 0.001 * std::sqrt(1.0 + 0.75 * 0.75 + 0.25 * 0.25),
+              1e-12);
+}
+
+}  // namespace
+}  // namespace trueblade
