@@ -26,6 +26,7 @@ struct CommandLine {
 void add_inspect_command(CLI::App& app, CommandLine& line);
 void add_plan_command(CLI::App& app, CommandLine& line);
 void add_scan_command(CLI::App& app, CommandLine& line);
+void add_image_command(CLI::App& app, CommandLine& line);
 void add_register_command(CLI::App& app, CommandLine& line);
 void add_part_command(CLI::App& app, CommandLine& line);
 void add_regress_command(CLI::App& app, CommandLine& line);

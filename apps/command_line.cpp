@@ -99,6 +99,7 @@ int parse_and_run(const std::vector<std::string>& arguments) {
   add_register_command(app, line);
   add_part_command(app, line);
   add_regress_command(app, line);
+  add_image_command(app, line);
 
   if (const auto unknown = unknown_command(app, arguments)) throw InputError(*unknown);
   try {

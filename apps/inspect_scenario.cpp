@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 
 #include "apps/evaluate_view.h"
@@ -66,6 +67,27 @@ void count_samples(const MeasuredView& measured, ViewResult& result) {
   }
 }
 
+// How well the report tells the form of the part that truly stood there.
+void compare_with_true_form(const MeasuredTruth& truth, const Deviations& reported, PoseError& error) {
+  double true_square = 0.0, error_square = 0.0, points = 0.0;
+  for (std::size_t i = 0; i < reported.size(); ++i) {
+    if (reported.outliers.is_outlier[i] || std::isnan(truth.deviation_mm[i])) continue;
+    const double difference_mm = reported.signed_mm[i] - truth.deviation_mm[i];
+    true_square += truth.deviation_mm[i] * truth.deviation_mm[i];
+    error_square += difference_mm * difference_mm;
+    points += 1.0;
+  }
+  error.true_deviation_rms_mm = std::sqrt(true_square / points);
+  error.deviation_error_rms_mm = std::sqrt(error_square / points);
+}
+
+// A real machine follows its plan blindly, and so does this one: how many samples became points is a result.
+void tell_samples(const ViewResult& result, std::size_t points) {
+  spdlog::info(
+      "view {}: {} of {} planned samples became points; {} fell out of the working range, {} did not return",
+      result.view, points, result.planned, result.out_of_range, result.missed);
+}
+
 FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target, MeasuredView measured) {
   FinishedView view;
   std::optional<RigidTransform> true_pose;
@@ -74,6 +96,9 @@ FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& tar
                                  scenario.machine.mcs_from_part.inverse(), scenario.registration.options,
                                  scenario.inspection.surface, true_pose);
   count_samples(measured, view.evaluated.result);
+  tell_samples(view.evaluated.result, measured.scan.points.size());
+  if (measured.truth && !measured.truth->deviation_mm.empty() && view.evaluated.result.truth)
+    compare_with_true_form(*measured.truth, view.evaluated.deviations, *view.evaluated.result.truth);
   view.measured = std::move(measured);
   return view;
 }
@@ -93,15 +118,18 @@ void write_view(const Folder& folder, const Scenario& scenario, const PartOnMach
   const ViewResult& result = view.evaluated.result;
   const Deviations& deviations = view.evaluated.deviations;
   const RigidTransform& part_from_mcs = result.registration.part_from_mcs;
-  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run);
-  write_range_image_exr(folder / fmt::format("{}.exr", result.view),
-                        range_image_of(view.measured.scan, deviations, part_from_mcs, run));
-
   const MachineGeometry& geometry = scenario.machine.geometry;
   AxisPositions at_view;
   at_view.theta_rad = result.theta_rad;
-  const Viewpoint viewpoint = viewpoint_as_probe(result.view, beam_in_mcs(geometry, at_view).direction,
-                                                 geometry.rotary_axis_direction, part_from_mcs);
+  const Vec3 beam_mcs = beam_in_mcs(geometry, at_view).direction;
+  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run);
+  write_range_image_exr(
+      folder / fmt::format("{}.exr", result.view),
+      range_image_of(view.measured.scan, deviations, part_from_mcs, run, beam_mcs,
+                     view.measured.truth ? view.measured.truth->deviation_mm : std::vector<double>()));
+
+  const Viewpoint viewpoint =
+      viewpoint_as_probe(result.view, beam_mcs, geometry.rotary_axis_direction, part_from_mcs);
   PictureOptions picture;
   if (const auto& tolerance = scenario.inspection.tolerance_mm)
     picture.tolerance = Tolerance{tolerance->first, tolerance->second};

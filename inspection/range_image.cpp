@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "geometry/error.h"
@@ -9,7 +11,10 @@
 namespace trueblade {
 namespace {
 
-void check_sizes(const ViewScan& view, const Deviations& deviations) {
+void check_sizes(const ViewScan& view, const Deviations& deviations, std::size_t true_deviations) {
+  if (true_deviations != 0 && true_deviations != deviations.size())
+    throw InputError(fmt::format("view '{}' has {} deviations but {} true deviations", view.view,
+                                 deviations.size(), true_deviations));
   if (view.usable.size() != deviations.size()) {
     throw InputError(fmt::format("view '{}' has {} usable samples but {} deviations", view.view,
                                  view.usable.size(), deviations.size()));
@@ -33,8 +38,9 @@ const RangeChannel* RangeImage::find(const std::string& name) const {
 }
 
 RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
-                          const RigidTransform& part_from_mcs, const RunFacts& run) {
-  check_sizes(view, deviations);
+                          const RigidTransform& part_from_mcs, const RunFacts& run, const Vec3& beam_mcs,
+                          std::span<const double> true_deviation_mm) {
+  check_sizes(view, deviations, true_deviation_mm.size());
   RangeImage image{view.columns, view.rows,           {},           part_from_mcs,
                    view.view,    run.program_version, run.scenario, run.seed};
 
@@ -52,7 +58,13 @@ RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
 
   add("range", kNone, [&](std::size_t i) { return sample(i).distance_mm; });
   add("snr", kNone, [&](std::size_t i) { return sample(i).snr; });
+  const Vec3 against_beam = -(part_from_mcs.rotation * beam_mcs);
+  add("incidence", kNone, [&](std::size_t i) {
+    return std::acos(std::clamp(deviations.normal[i].dot(against_beam), -1.0, 1.0));
+  });
   add("deviation", kNone, [&](std::size_t i) { return deviations.signed_mm[i]; });
+  if (!true_deviation_mm.empty())
+    add("true_deviation", kNone, [&](std::size_t i) { return true_deviation_mm[i]; });
   for (int a = 0; a < 3; ++a) {
     add(std::string("normal.") + axis_name[a], kNone, [&](std::size_t i) { return deviations.normal[i][a]; });
   }

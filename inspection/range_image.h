@@ -22,8 +22,9 @@ struct RangeChannel {
 struct RangeImage {
   std::size_t columns = 0;
   std::size_t rows = 0;
-  // range (mm along the beam), snr, deviation (mm), normal.x .y .z (PCS), surface (id), x y z (mm, PCS),
-  // outlier (0 or 1), mask (1: a point, 0: none). Cells without a point hold NaN in all others.
+  // range (mm along the beam), snr, incidence (rad, between beam and nominal normal), deviation (mm),
+  // true_deviation (mm, simulation only), normal.x .y .z (PCS), surface (id), x y z (mm, PCS), outlier (0 or
+  // 1), mask (1: a point, 0: none). Cells without a point hold NaN in all others.
   std::vector<RangeChannel> channels;
   RigidTransform part_from_mcs;  // the registered pose
   std::string view;
@@ -34,9 +35,12 @@ struct RangeImage {
   const RangeChannel* find(const std::string& name) const;  // nullptr when absent
 };
 
-// Precondition: `deviations` are those of view.points. Throws InputError when the numbers of points disagree
-// or a cell lies outside the grid. When a cell was measured twice, the later sample stands.
+// Precondition: `deviations` are those of view.points. `beam_mcs`: the unit beam direction of the view.
+// `true_deviation_mm`: of the true part at each point; empty where it is not known. Throws InputError when
+// the numbers of points disagree or a cell lies outside the grid. When a cell was measured twice, the later
+// sample stands.
 RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
-                          const RigidTransform& part_from_mcs, const RunFacts& run);
+                          const RigidTransform& part_from_mcs, const RunFacts& run, const Vec3& beam_mcs,
+                          std::span<const double> true_deviation_mm = {});
 
 }  // namespace trueblade

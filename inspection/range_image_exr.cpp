@@ -58,7 +58,7 @@ Imf::Header header_of(const RangeImage& image) {
   const auto text = [&](const char* name, const std::string& value) {
     header.insert(name, Imf::StringAttribute(value));
   };
-  text("units", "mm");
+  text("units", "mm; incidence: rad");
   text("frames", "x y z normal: pcs; range: along the beam");
   text("view", image.view);
   text("program", image.program_version);

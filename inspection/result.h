@@ -37,6 +37,11 @@ struct PoseError {
   RigidTransform true_part_from_mcs;
   double translation_error_mm = 0.0;
   double rotation_error_rad = 0.0;
+  // Form of the part that was measured, over the points of the report (outliers left out): root mean square
+  // of its true deviation from the nominal part, and of reported less true deviation. No value where it is
+  // not known.
+  double true_deviation_rms_mm = kNoValue;
+  double deviation_error_rms_mm = kNoValue;
 };
 PoseError pose_error(const RigidTransform& part_from_mcs, const RigidTransform& true_part_from_mcs,
                      const Vec3& centroid_mcs_mm);

@@ -108,7 +108,9 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
   json["cross_check"] = r.cross_check ? cross_check_json(*r.cross_check) : Json(nullptr);
   json["truth"] = view.truth ? Json{{"pose", pose_json(view.truth->true_part_from_mcs)},
                                     {"translation_error_mm", number(view.truth->translation_error_mm)},
-                                    {"rotation_error_rad", number(view.truth->rotation_error_rad)}}
+                                    {"rotation_error_rad", number(view.truth->rotation_error_rad)},
+                                    {"true_deviation_rms_mm", number(view.truth->true_deviation_rms_mm)},
+                                    {"deviation_error_rms_mm", number(view.truth->deviation_error_rms_mm)}}
                              : Json(nullptr);
   json["per_surface"] = Json::array();
   for (const SurfaceStatistics& surface : view.surfaces) {

@@ -327,6 +327,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"the part stands elsewhere",
                  inspect("part_elsewhere.yaml"),
                  {"view front", "none of", "out of the working range", "mcs_from_part"}},
+        BadInput{"range image missing", {"image", "none.exr"}, {"none.exr", "missing"}},
+        BadInput{"range image of another format", {"image", "wrong.ply"}, {"wrong.ply", "OpenEXR"}},
         BadInput{"plan and its angles contradict",
                  {"plan", "cube.yaml", "--automatic", "--theta-deg", "10"},
                  {"--theta-deg", "excludes"}},

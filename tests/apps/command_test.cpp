@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/apps/sample_inputs.h"
@@ -72,6 +73,34 @@ TEST(Inspect, LeavesAWholeRunFolder) {
     // Three faces with 200 points each hold the centroid to 0.003 / sqrt(200) = 0.0002 mm; five times that.
     EXPECT_LT(view["truth"]["translation_error_mm"].get<double>(), 0.001);
   }
+}
+
+// The range image of a run is read back by the program; what the simulation knows is in it.
+TEST(Inspect, RangeImageIsReadBack) {
+  const CubeFolder folder;
+  const ChildResult run = run_trueblade({"inspect", "cube.yaml", "--out", "run"}, folder.path());
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  // The nominal part stands in the place of the true one: every true deviation is zero.
+  const Json truth = result_of(folder / "run")["views"][0]["truth"];
+  EXPECT_EQ(truth["true_deviation_rms_mm"], 0.0);
+  EXPECT_GT(truth["deviation_error_rms_mm"], 0.0);
+  EXPECT_NE(run.err.find("fell out of the working range"), std::string::npos) << run.err;
+
+  const ChildResult result = run_trueblade({"image", "run/front.exr", "--json"}, folder.path());
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json image = Json::parse(result.out);
+  EXPECT_EQ(image["scenario"], "cube");
+  EXPECT_EQ(image["seed"], 5);
+  std::map<std::string, Json> channels;
+  for (const Json& channel : image["channels"]) channels[channel["name"]] = channel;
+  EXPECT_EQ(channels.size(), 14u);
+  EXPECT_EQ(channels.at("true_deviation")["max"], 0.0);
+  // Three faces about the space diagonal, seen along it: 54.7 degrees, and less where a point lies at an
+  // edge.
+  EXPECT_LT(channels.at("incidence")["min"], 0.98);
+  EXPECT_GT(channels.at("incidence")["max"], 0.93);
+  EXPECT_LT(channels.at("incidence")["max"], 0.98);
+  EXPECT_EQ(channels.at("mask")["max"], 1.0);
 }
 
 TEST(Inspect, TwoRunsAgreeByteForByteTimesApart) {

@@ -49,11 +49,16 @@ Deviations deviations_for(const ViewScan& view) {
   return d;
 }
 
+const Vec3 kBeam = -Vec3::UnitY();
+
 RangeImage small_image() {
   const ViewScan view = small_view();
+  std::vector<double> true_deviation_mm;
+  for (std::size_t i = 0; i < view.points.size(); ++i)
+    true_deviation_mm.push_back(0.002 * static_cast<double>(i));
   return range_image_of(view, deviations_for(view),
                         {rotation_from_vector({0.1, 0.2, 0.3}), {1.0 / 3.0, -2e-7, 1e5}},
-                        example_result().run);
+                        example_result().run, kBeam, true_deviation_mm);
 }
 
 bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
@@ -62,11 +67,12 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
 
 TEST(RangeImage, EveryPointIsInItsCell) {
   const RangeImage image = small_image();
-  ASSERT_EQ(image.channels.size(), 12U);
+  ASSERT_EQ(image.channels.size(), 14U);
   // Sample 4 is point 3 (sample 1 gave none) and lies in cell 11 - 4 = 7.
   EXPECT_EQ(image.find("range")->values[7], 25.04F);
   EXPECT_EQ(image.find("snr")->values[7], 0.2F);
   EXPECT_EQ(image.find("deviation")->values[7], -0.001F);
+  EXPECT_EQ(image.find("true_deviation")->values[7], 0.006F);
   EXPECT_EQ(image.find("normal.z")->values[7], 0.8F);
   EXPECT_EQ(image.find("y")->values[7], 0.8F);
   EXPECT_EQ(image.find("surface")->values[7], 16777215.0F);
@@ -79,14 +85,31 @@ TEST(RangeImage, EveryPointIsInItsCell) {
   EXPECT_EQ(image.find("colour"), nullptr);
 }
 
+// The beam along -z of the part meets the normal (0.6, 0, 0.8) at acos(0.8); the table turned by a right
+// angle about z leaves that, tilted about y so that the beam runs against the normal makes it zero.
+TEST(RangeImage, IncidenceIsBetweenBeamAndNormal) {
+  const ViewScan view = small_view();
+  const Deviations d = deviations_for(view);
+  const auto incidence = [&](const RigidTransform& part_from_mcs) {
+    return range_image_of(view, d, part_from_mcs, {}, -Vec3::UnitZ()).find("incidence")->values[7];
+  };
+  EXPECT_FLOAT_EQ(incidence({}), static_cast<float>(std::acos(0.8)));
+  EXPECT_FLOAT_EQ(incidence({rotation_from_vector({0, 0, 1.5}), Vec3::Zero()}),
+                  static_cast<float>(std::acos(0.8)));
+  // acos near 1 turns a rounding of 1e-16 into its root.
+  EXPECT_NEAR(incidence({rotation_from_vector({0, std::acos(0.8), 0}), Vec3::Zero()}), 0.0, 1e-7);
+  EXPECT_EQ(range_image_of(view, d, {}, {}, kBeam).find("true_deviation"), nullptr);
+}
+
 TEST(RangeImage, RefusesNumbersThatDisagree) {
   ViewScan view = small_view();
   const Deviations d = deviations_for(view);
   view.usable.pop_back();
-  EXPECT_THROW(range_image_of(view, d, {}, {}), InputError);
+  EXPECT_THROW(range_image_of(view, d, {}, {}, kBeam), InputError);
   view = small_view();
+  EXPECT_THROW(range_image_of(view, d, {}, {}, kBeam, std::vector<double>{0.1}), InputError);
   view.grid_index[3] = 12;
-  EXPECT_THROW(range_image_of(view, d, {}, {}), InputError);
+  EXPECT_THROW(range_image_of(view, d, {}, {}, kBeam), InputError);
 }
 
 TEST(RangeImageExr, RoundTripLosesNothing) {
@@ -107,6 +130,9 @@ TEST(RangeImageExr, RoundTripLosesNothing) {
   EXPECT_EQ(back.scenario, "blade.yaml");
   EXPECT_EQ(back.program_version, "1.2.3");
   EXPECT_EQ(back.seed, 18446744073709551615ULL);
+  // What was read is written again to the same bytes.
+  write_range_image_exr(folder / "again.exr", back);
+  EXPECT_EQ(bytes_of(folder / "again.exr"), bytes_of(folder / "front.exr"));
 }
 
 void write_bytes(const std::filesystem::path& file, const std::string& bytes) {

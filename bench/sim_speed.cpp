@@ -1,0 +1,189 @@
+// Complete virtual measurements per second against bare Embree rays, on the same rays in one run.
+//
+//   sim_speed SCANNED_BLADE.ply > results/sim/speed.md
+#include <embree3/rtcore.h>
+#include <fmt/core.h>
+#include <tbb/global_control.h>
+
+#include <chrono>
+#include <numbers>
+
+#include "geometry/parallel.h"
+#include "hardware/plan_view.h"
+#include "part/demonstration_parts.h"
+#include "sim/simulated_machine.h"
+#include "tests/hardware/analytic_parts.h"
+
+namespace {
+
+using namespace trueblade;
+
+double seconds_of(const std::function<void()>& work) {
+  // The best of five: what the machine can do when nothing else runs.
+  double best = 1e300;
+  for (int k = 0; k < 5; ++k) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    best = std::min(best, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  return best;
+}
+
+// All sources switched on. Drawn once per set-up: what is mounted or squared once. Per view: the rotary axis.
+// Per line: angular errors of the stages. Per point: positioning and straightness, sensor, time base.
+MachineErrors all_errors() {
+  MachineErrors errors;
+  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
+    const auto source = static_cast<ErrorSource>(s);
+    const std::string_view unit = info(source).unit;
+    const double sigma = unit == "mm" ? 1e-3 : unit == "rad" ? 1e-5 : unit == "s" ? 1e-5 : 1e-7;
+    ErrorScope scope = ErrorScope::setup;
+    if (source >= ErrorSource::exc && source <= ErrorSource::ecc) scope = ErrorScope::view;
+    if (source >= ErrorSource::exx && source <= ErrorSource::ecz) {
+      const bool angular = (s - static_cast<std::size_t>(ErrorSource::exx)) % 6 >= 3;
+      scope = angular ? ErrorScope::line : ErrorScope::point;
+    }
+    if (source == ErrorSource::sensor_distance || source == ErrorSource::time_base) scope = ErrorScope::point;
+    errors[source] = {0.0, sigma, scope};
+  }
+  return errors;
+}
+
+struct BareEmbree {
+  RTCDevice device = rtcNewDevice(nullptr);
+  RTCScene scene = rtcNewScene(device);
+  explicit BareEmbree(const FacetModel& model) {
+    const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    auto* nodes = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                                              RTC_FORMAT_FLOAT3, 12, model.node_count()));
+    for (std::uint32_t n = 0; n < model.node_count(); ++n)
+      for (int k = 0; k < 3; ++k)
+        nodes[3 * n + static_cast<std::uint32_t>(k)] = static_cast<float>(model.node_mm(n)[k]);
+    auto* facets = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
+        geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 12, model.facet_count()));
+    for (std::uint32_t f = 0; f < model.facet_count(); ++f)
+      std::copy_n(model.facet_nodes(f).data(), 3, facets + 3 * f);
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometry(scene, geometry);
+    rtcReleaseGeometry(geometry);
+    rtcCommitScene(scene);
+  }
+  ~BareEmbree() {
+    rtcReleaseScene(scene);
+    rtcReleaseDevice(device);
+  }
+};
+
+struct Case {
+  std::string name;
+  std::shared_ptr<const Part> part;
+};
+
+// Every facet cut into four.
+Part quartered(const Part& part) {
+  FacetSoup soup;
+  for (std::uint32_t f = 0; f < part.model.facet_count(); ++f) {
+    const auto c = part.model.corners_mm(f);
+    const auto n = static_cast<std::uint32_t>(soup.nodes_mm.size());
+    soup.nodes_mm.insert(soup.nodes_mm.end(),
+                         {c[0], c[1], c[2], 0.5 * (c[0] + c[1]), 0.5 * (c[1] + c[2]), 0.5 * (c[2] + c[0])});
+    for (const auto& t : {std::array<std::uint32_t, 3>{0, 3, 5}, {3, 1, 4}, {4, 2, 5}, {3, 4, 5}})
+      soup.facets.push_back({n + t[0], n + t[1], n + t[2]});
+  }
+  return testing::part_of(soup, part.surfaces.size());
+}
+
+void run_case(const Case& c) {
+  const auto caster = std::make_shared<const RayCaster>(c.part->model);
+  VirtualSetup setup;
+  setup.lens = standard_lens("25mm");
+  setup.errors = all_errors();
+  // Seen along y, the part's middle on the rotary axis.
+  setup.part_from_mcs.translation_mm =
+      0.5 * (c.part->model.lower_corner_mm() + c.part->model.upper_corner_mm());
+  PlanOptions options;
+  const Vec3 size = c.part->model.upper_corner_mm() - c.part->model.lower_corner_mm();
+  options.spacing_mm = std::sqrt(size.x() * size.z() / 100'000.0);
+  const ScanPlan plan = plan_view(setup.geometry, setup.lens, *c.part, *caster, setup.part_from_mcs, options);
+  std::vector<AxisPositions> path;
+  for (const PlannedLine& line : plan.lines) path.insert(path.end(), line.path.begin(), line.path.end());
+
+  // The very rays of the measurement.
+  const TrueMachine machine(setup.geometry, setup.part_from_mcs.inverse(), setup.mcs_from_fixture,
+                            setup.errors, setup.seed, setup.trial);
+  std::vector<RTCRayHit> rays(path.size());
+  for (std::size_t k = 0; k < path.size(); ++k) {
+    const Ray ray = machine.beam_at(path[k], {}, 0.001 * static_cast<double>(k), k).in_part;
+    RTCRayHit& r = rays[k];
+    r.ray.org_x = static_cast<float>(ray.origin_mm.x());
+    r.ray.org_y = static_cast<float>(ray.origin_mm.y());
+    r.ray.org_z = static_cast<float>(ray.origin_mm.z());
+    r.ray.dir_x = static_cast<float>(ray.direction.x());
+    r.ray.dir_y = static_cast<float>(ray.direction.y());
+    r.ray.dir_z = static_cast<float>(ray.direction.z());
+    r.ray.tfar = std::numeric_limits<float>::infinity();
+    r.ray.mask = 0xffffffffu;
+    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  }
+  const BareEmbree bare(c.part->model);
+  const double n = static_cast<double>(path.size());
+
+  for (const std::size_t threads : {1u, 2u}) {
+    const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
+    const double bare_s = seconds_of([&] {
+      parallel_for_blocks(rays.size(), 256, [&](std::size_t begin, std::size_t end) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        for (std::size_t k = begin; k < end; ++k) {
+          RTCRayHit ray = rays[k];
+          rtcIntersect1(bare.scene, &context, &ray);
+        }
+      });
+    });
+    const auto measure_s = [&](PartSurfaceMode mode) {
+      const VirtualPart part = make_virtual_part(c.part, caster, mode, {}, 0, 0);
+      return seconds_of([&] {
+        SimulatedMachine simulated(part, setup);
+        simulated.connect();
+        simulated.home();
+        for (const PlannedLine& line : plan.lines)
+          simulated.scan_line(line.path, [](const ProbeSample&) { return true; });
+      });
+    };
+    const double facets_s = measure_s(PartSurfaceMode::facets);
+    fmt::print("| {} | {} | {} | {:.2f} | {:.2f} | {:.0f} % |", c.name, c.part->model.facet_count(), threads,
+               n / bare_s * 1e-6, n / facets_s * 1e-6, 100.0 * bare_s / facets_s);
+    if (c.part->exact) {
+      const double exact_s = measure_s(PartSurfaceMode::exact);
+      fmt::print(" {:.2f} | {:.0f} % |\n", n / exact_s * 1e-6, 100.0 * bare_s / exact_s);
+    } else {
+      fmt::print(" - | - |\n");
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    fmt::print(stderr, "usage: sim_speed SCANNED_BLADE.ply\n");
+    return 2;
+  }
+  fmt::print(
+      "# Speed of complete virtual measurements\n\nMade by `sim_speed turbineblade.ply`. Millions per "
+      "second, best of five, all on the same rays (about 100,000 of one\nview). A measurement is: motion and "
+      "clock, 53 error sources (11 drawn for every point), the ray, the hit in double,\nspot and edge check, "
+      "signal, noise, SNR, flags, truth, and delivery through the driver.\n\n"
+      "| part | facets | threads | bare `rtcIntersect1` | measurements | share | with exact refinement | "
+      "share "
+      "|\n|---|---|---|---|---|---|---|---|\n");
+  FacetingOptions faceting;
+  faceting.chord_tolerance_mm = 0.005;
+  run_case({"demonstration blade", std::make_shared<const Part>(make_turbine_blade({}, faceting))});
+  PartOptions millimetres;
+  millimetres.unit = LengthUnit::millimetre;
+  auto scanned = std::make_shared<const Part>(read_part(argv[1], millimetres));
+  run_case({"scanned blade", scanned});
+  run_case({"scanned blade, facets cut into four", std::make_shared<const Part>(quartered(*scanned))});
+  return 0;
+}
