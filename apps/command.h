@@ -29,6 +29,7 @@ void add_scan_command(CLI::App& app, CommandLine& line);
 void add_register_command(CLI::App& app, CommandLine& line);
 void add_part_command(CLI::App& app, CommandLine& line);
 void add_regress_command(CLI::App& app, CommandLine& line);
+void add_study_command(CLI::App& app, CommandLine& line);
 
 // Parses, runs, and turns every error into a message on standard error and an exit code. `arguments` excludes
 // the program's name.

@@ -25,6 +25,8 @@ Examples:
       what is in a CAD or mesh file: surfaces, facets, size, defects
   trueblade register --part blade.step --scan points.xyz --scan-unit mm --out report
       aligns measured points from any machine to a part and reports the deviations
+  trueblade study scenarios/studies/paper_case.yaml
+      repeats a virtual inspection with its errors drawn anew: how accurate is this set-up?
   trueblade regress scenarios/*.yaml
       holds scenarios to their own `expect:` blocks
 
@@ -53,7 +55,8 @@ std::optional<std::string> unknown_command(const CLI::App& app, const std::vecto
   const CLI::App* command = &app;
   for (const std::string& word : arguments) {
     const std::vector<std::string> known = names_of(commands_of(*command));
-    if (known.empty() || word.starts_with("-")) return std::nullopt;
+    if (command->get_require_subcommand_min() == 0 || known.empty() || word.starts_with("-"))
+      return std::nullopt;
     const CLI::App* next = find_command(*command, word);
     if (!next) {
       const auto nearest = nearest_word(word, known);
@@ -99,6 +102,7 @@ int parse_and_run(const std::vector<std::string>& arguments) {
   add_register_command(app, line);
   add_part_command(app, line);
   add_regress_command(app, line);
+  add_study_command(app, line);
 
   if (const auto unknown = unknown_command(app, arguments)) throw InputError(*unknown);
   try {

@@ -147,6 +147,14 @@ void fields(YamlFields& io, SensorModel& sensor) {
   io.check([&] { sensor.validate(); });
 }
 
+// A key for variance-based indices; written only where it is used.
+void replicate_field(YamlFields& io, std::string_view key, std::uint32_t& replicate) {
+  if (!io.reading() && replicate == 0) return;
+  std::uint64_t number = replicate;
+  io.integer(key, number, 0, 65535);
+  replicate = static_cast<std::uint32_t>(number);
+}
+
 // {mean_mm: 0.2, sigma_mm: 0.1, scope: setup}, in the unit of the source; angles in degrees.
 void fields(YamlFields& io, GaussianError& error, std::string_view unit) {
   if (unit == "rad") {
@@ -158,6 +166,7 @@ void fields(YamlFields& io, GaussianError& error, std::string_view unit) {
     io.number("sigma_" + suffix, error.sigma, at_least(0.0));
   }
   io.choice<ErrorScope>("scope", error.scope, kScopes);
+  replicate_field(io, "replicate", error.replicate);
 }
 
 void fields(YamlFields& io, MachineErrors& errors) {
@@ -205,6 +214,8 @@ void fields(YamlFields& io, SimulationSpec& simulation) {
                      [](YamlFields& inner, FormError& error) { fields(inner, error); });
   io.map("sensor", [&](YamlFields& inner) { fields(inner, simulation.sensor); });
   io.map("errors", [&](YamlFields& inner) { fields(inner, simulation.errors); });
+  replicate_field(io, "sensor_replicate", simulation.sensor_replicate);
+  replicate_field(io, "form_replicate", simulation.form_replicate);
 }
 
 // The keys of a machine, wherever they stand.

@@ -24,6 +24,9 @@ struct SimulationSpec {
   // What the beam meets; default: exact where the part has CAD surfaces.
   std::optional<PartSurfaceMode> part_surface;
   FormErrors form_errors;  // of the part that stands on the machine
+  // Of the draws of the sensor and of random form errors, as GaussianError has it.
+  std::uint32_t sensor_replicate = 0;
+  std::uint32_t form_replicate = 0;
 };
 
 // The probe stands clear of the part with all axes at zero: home.

@@ -26,15 +26,18 @@ VirtualSetup virtual_setup(const Scenario& scenario) {
   setup.errors = machine.simulation.errors;
   setup.sensor = machine.simulation.sensor;
   setup.seed = scenario.seed;
+  setup.trial = scenario.trial;
+  setup.sensor_replicate = machine.simulation.sensor_replicate;
   return setup;
 }
 
 VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal) {
   const SimulationSpec& simulation = scenario.machine.simulation;
   const PartSurfaceMode finest = nominal.part->exact ? PartSurfaceMode::exact : PartSurfaceMode::facets;
-  constexpr std::uint64_t kTrial = 0;  // an inspection is the first trial of a study of the same scenario
+  // Replicates of the form lie where no trial number reaches.
+  const std::uint64_t trial = scenario.trial + (std::uint64_t{simulation.form_replicate} << 48);
   return make_virtual_part(nominal.part, nominal.caster, simulation.part_surface.value_or(finest),
-                           simulation.form_errors, scenario.seed, kTrial);
+                           simulation.form_errors, scenario.seed, trial);
 }
 
 namespace {

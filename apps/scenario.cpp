@@ -87,6 +87,7 @@ void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& fol
   io.text("name", scenario.name);
   io.text("description", scenario.description);
   io.integer("seed", scenario.seed, 0, std::numeric_limits<std::uint64_t>::max());
+  io.integer("trial", scenario.trial, 0, std::numeric_limits<std::uint64_t>::max() / 2);
   io.require("part");
   io.map("part", [&](YamlFields& inner) { fields(inner, scenario.part, folder); });
   io.map("machine", [&](YamlFields& inner) { fields(inner, scenario.machine, folder); });
@@ -104,10 +105,10 @@ void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& fol
 
 }  // namespace
 
-Scenario read_scenario(const std::filesystem::path& file) {
+Scenario read_scenario(const std::filesystem::path& file, const std::vector<YamlOverride>& overrides) {
   Scenario scenario;
   scenario.name = file.stem().string();
-  read_yaml(file, [&](YamlFields& io) { fields(io, scenario, file.parent_path()); });
+  read_yaml(file, overrides, [&](YamlFields& io) { fields(io, scenario, file.parent_path()); });
   return scenario;
 }
 

@@ -13,6 +13,7 @@
 #include "apps/machine_fields.h"
 #include "apps/part_fields.h"
 #include "apps/registration_fields.h"
+#include "apps/yaml_reader.h"
 #include "hardware/view_angles.h"
 #include "inspection/colour_map.h"
 #include "inspection/deviations.h"
@@ -44,6 +45,7 @@ struct Scenario {
   std::string name;  // as view names; the run folder is called after it
   std::string description;
   std::uint64_t seed = 1;
+  std::uint64_t trial = 0;  // which draw of the errors; trial N of a study with this seed
   PartSpec part;
   MachineSpec machine;
   ScanSpec scan;
@@ -54,7 +56,7 @@ struct Scenario {
 
 // Throws InputError naming file and line. Paths in the file are relative to its folder. A scenario without a
 // name is called after its file.
-Scenario read_scenario(const std::filesystem::path& file);
+Scenario read_scenario(const std::filesystem::path& file, const std::vector<YamlOverride>& overrides = {});
 
 // The whole scenario with its defaults; reads back to the same scenario.
 std::string scenario_text(const Scenario& scenario);

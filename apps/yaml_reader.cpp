@@ -6,6 +6,7 @@
 #include <yaml-cpp/parser.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <set>
 #include <sstream>
@@ -283,9 +284,7 @@ std::string read_text(const std::filesystem::path& file) {
   return text;
 }
 
-}  // namespace
-
-void read_yaml_text(const std::string& text, const std::string& file, const YamlFields::MapFunction& fields) {
+YamlNode parse_document(const std::string& text, const std::string& file) {
   if (text.find('\0') != std::string::npos) throw file_error(file, "is not text");
   std::istringstream stream(text);
   TreeBuilder builder(file);
@@ -298,7 +297,43 @@ void read_yaml_text(const std::string& text, const std::string& file, const Yaml
   } catch (const YAML::Exception& failure) {
     throw line_error(file, failure.mark.line + 1, "not valid YAML: " + failure.msg);
   }
-  const YamlNode& root = builder.root;
+  return builder.root;
+}
+
+// The node at a path; keys that are absent are added, places of lists must exist.
+YamlNode& node_at(YamlNode& root, const std::string& path) {
+  YamlNode* node = &root;
+  for (std::size_t begin = 0; begin <= path.size();) {
+    const std::size_t end = std::min(path.find('.', begin), path.size());
+    const std::string key = path.substr(begin, end - begin);
+    begin = end + 1;
+    if (node->kind == YamlNode::Kind::list) {
+      std::size_t place = 0;
+      const auto [rest, failure] = std::from_chars(key.data(), key.data() + key.size(), place);
+      if (failure != std::errc() || rest != key.data() + key.size() || place >= node->items.size())
+        throw InputError(fmt::format("{}: \"{}\" must be a place in a list of {}, counted from 0", path, key,
+                                     node->items.size()));
+      node = &node->items[place];
+      continue;
+    }
+    if (node->kind == YamlNode::Kind::empty) node->kind = YamlNode::Kind::map;
+    if (node->kind != YamlNode::Kind::map)
+      throw InputError(fmt::format("{}: there is nothing inside {} to be called \"{}\"", path,
+                                   kind_words(node->kind), key));
+    const auto known = std::find(node->keys.begin(), node->keys.end(), key);
+    if (known != node->keys.end()) {
+      node = &node->items[static_cast<std::size_t>(known - node->keys.begin())];
+      continue;
+    }
+    node->keys.push_back(key);
+    node->key_lines.push_back(node->line);
+    node->items.push_back({YamlNode::Kind::empty, node->line, "", {}, {}, {}});
+    node = &node->items.back();
+  }
+  return *node;
+}
+
+void read_document(YamlNode& root, const std::string& file, const YamlFields::MapFunction& fields) {
   if (root.kind == YamlNode::Kind::empty) throw file_error(file, "is empty");
   if (root.kind != YamlNode::Kind::map)
     throw line_error(file, root.line, "holds " + kind_words(root.kind) + ", must be a map of keys");
@@ -307,8 +342,27 @@ void read_yaml_text(const std::string& text, const std::string& file, const Yaml
   reader.finish();
 }
 
+}  // namespace
+
+void read_yaml_text(const std::string& text, const std::string& file, const YamlFields::MapFunction& fields) {
+  YamlNode root = parse_document(text, file);
+  read_document(root, file, fields);
+}
+
 void read_yaml(const std::filesystem::path& file, const YamlFields::MapFunction& fields) {
-  read_yaml_text(read_text(file), file.string(), fields);
+  read_yaml(file, {}, fields);
+}
+
+void read_yaml(const std::filesystem::path& file, const std::vector<YamlOverride>& overrides,
+               const YamlFields::MapFunction& fields) {
+  YamlNode root = parse_document(read_text(file), file.string());
+  for (const YamlOverride& item : overrides) {
+    YamlNode value = parse_document(item.value, item.path);
+    YamlNode& place = node_at(root, item.path);
+    value.line = place.line;
+    place = value;
+  }
+  read_document(root, file.string(), fields);
 }
 
 }  // namespace trueblade

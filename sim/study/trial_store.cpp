@@ -245,6 +245,12 @@ std::uint64_t TrialStore::trial_count() const {
   return static_cast<std::uint64_t>(count.integer(0));
 }
 
+std::uint64_t TrialStore::trial_end() const {
+  Query last = database_->query("SELECT coalesce(max(trial) + 1, 0) FROM trials");
+  last.step();
+  return static_cast<std::uint64_t>(last.integer(0));
+}
+
 std::vector<std::pair<std::uint64_t, double>> TrialStore::column(std::uint32_t case_number,
                                                                  std::size_t quantity,
                                                                  const TrialRange& range) const {

@@ -47,6 +47,7 @@ class TrialStore {
   // The trials of `range` that the file does not hold, in order.
   std::vector<TrialRange> missing(const TrialRange& range) const;
   std::uint64_t trial_count() const;  // trials held, of any number
+  std::uint64_t trial_end() const;    // one past the last trial held
 
   // Trials of one case that have a result, by number within `range`: the values of one quantity. A value that
   // does not exist is NaN.

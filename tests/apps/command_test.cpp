@@ -38,7 +38,10 @@ TEST(Command, HelpAndVersionSucceed) {
                                              {"part", "info", "--help"},
                                              {"part", "facet", "--help"},
                                              {"part", "make", "--help"},
-                                             {"regress", "--help"}}) {
+                                             {"regress", "--help"},
+                                             {"study", "--help"},
+                                             {"study", "show", "--help"},
+                                             {"study", "merge", "--help"}}) {
     const ChildResult help = run_trueblade(arguments);
     EXPECT_EQ(help.exit_code, 0) << help.err;
     EXPECT_NE(help.out.find("Usage:"), std::string::npos) << help.out;

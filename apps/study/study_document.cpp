@@ -1,0 +1,475 @@
+#include "apps/study/study_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "apps/version.h"
+#include "inspection/statistics.h"
+#include "sim/study/paired.h"
+#include "sim/study/sensitivity.h"
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Column = std::vector<std::pair<std::uint64_t, double>>;  // trial, value
+
+constexpr std::size_t kHistogramBins = 40;
+constexpr std::size_t kScatterPoints = 1000;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json interval(const CoverageInterval& ends) {
+  return {number(ends.low), number(ends.high)};
+}
+
+std::vector<double> finite_values(const Column& column) {
+  std::vector<double> values;
+  for (const auto& [trial, value] : column)
+    if (std::isfinite(value)) values.push_back(value);
+  return values;
+}
+
+// Trials that have a value in all columns, as one vector for each.
+std::vector<std::vector<double>> common_trials(const std::vector<Column>& columns) {
+  std::map<std::uint64_t, std::size_t> seen;
+  for (const Column& column : columns)
+    for (const auto& [trial, value] : column)
+      if (std::isfinite(value)) ++seen[trial];
+  std::vector<std::vector<double>> values(columns.size());
+  for (std::size_t c = 0; c < columns.size(); ++c)
+    for (const auto& [trial, value] : columns[c])
+      if (std::isfinite(value) && seen[trial] == columns.size()) values[c].push_back(value);
+  return values;
+}
+
+// Standard error of a standard deviation, for any distribution: sqrt(m4 - s^4) / (2 s sqrt(M)).
+double uncertainty_error(const std::vector<double>& values, const Statement& s) {
+  double fourth = 0.0;
+  for (const double value : values) fourth += std::pow(value - s.mean, 4);
+  const auto m = static_cast<double>(values.size());
+  const double variance = s.standard_uncertainty * s.standard_uncertainty;
+  if (variance == 0.0) return 0.0;
+  return std::sqrt(std::max(0.0, fourth / m - variance * variance) / m) / (2.0 * s.standard_uncertainty);
+}
+
+Json histogram(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  if (*low == *high) return nullptr;
+  const Histogram h = histogram_of(values, {}, *low, *high, kHistogramBins);
+  return {{"from", *low}, {"to", *high}, {"counts", h.counts}};
+}
+
+bool is_error(const Quantity& quantity) {
+  return quantity.name.find("error_") != std::string::npos &&
+         quantity.name.find("normalised") == std::string::npos;
+}
+
+Json statement(const Quantity& quantity, const Column& column, double probability) {
+  const std::vector<double> values = finite_values(column);
+  Json json{{"unit", quantity.unit}, {"description", quantity.description}, {"values", values.size()}};
+  if (values.size() < least_trials(probability)) return json;
+  const Statement s = statement_of(values, probability);
+  json["mean"] = s.mean;
+  json["standard_uncertainty"] = s.standard_uncertainty;
+  json["standard_error_of_mean"] = s.standard_uncertainty / std::sqrt(static_cast<double>(s.trials));
+  json["standard_error_of_uncertainty"] = uncertainty_error(values, s);
+  if (is_error(quantity)) json["bias"] = s.mean;  // the truth is zero
+  json["symmetric_interval"] = interval(s.symmetric);
+  json["shortest_interval"] = interval(s.shortest);
+  json["histogram"] = histogram(values);
+  return json;
+}
+
+Json failures(const TrialStore& store, std::uint32_t case_number, const TrialRange& trials) {
+  Json list = Json::array();
+  for (const auto& failure : store.failures(case_number, trials))
+    list.push_back(
+        {{"reason", failure.failure}, {"count", failure.count}, {"first_trial", failure.first_trial}});
+  return list;
+}
+
+// What the study keeps, by its full name.
+class Columns {
+ public:
+  Columns(const StudyModel& model, const TrialStore& store, const TrialRange& trials)
+      : model_(model), store_(store), trials_(trials) {}
+
+  std::optional<Column> find(std::uint32_t case_number, const std::string& name) const {
+    for (std::size_t k = 0; k < model_.quantities().size(); ++k)
+      if (model_.quantities()[k].name == name) return store_.column(case_number, k, trials_);
+    return std::nullopt;
+  }
+
+ private:
+  const StudyModel& model_;
+  const TrialStore& store_;
+  TrialRange trials_;
+};
+
+// Distribution function of chi-square with 6 degrees of freedom, and its quantile by bisection.
+double chi_square_6(double x) {
+  return 1.0 - std::exp(-0.5 * x) * (1.0 + 0.5 * x + 0.125 * x * x);
+}
+
+double chi_square_6_quantile(double probability) {
+  double low = 0.0, high = 1000.0;
+  for (int k = 0; k < 100; ++k) {
+    const double middle = 0.5 * (low + high);
+    (chi_square_6(middle) < probability ? low : high) = middle;
+  }
+  return high;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double squares = 0.0;
+  for (const double value : values) squares += value * value;
+  return std::sqrt(squares / static_cast<double>(values.size()));
+}
+
+// Cramer-Rao bound beside the spread, and how often the reported covariance covers the truth.
+Json theory(const Columns& columns, std::uint32_t case_number, const std::string& view, double probability) {
+  Json json;
+  for (const char* component : {"rotation_x_rad", "rotation_y_rad", "rotation_z_rad", "translation_x_mm",
+                                "translation_y_mm", "translation_z_mm"}) {
+    const auto error = columns.find(case_number, fmt::format("{}.error_{}", view, component));
+    const auto reported = columns.find(case_number, fmt::format("{}.u_{}", view, component));
+    const auto bound = columns.find(case_number, fmt::format("{}.bound_{}", view, component));
+    if (!error || !reported || !bound) continue;
+    const std::vector<double> errors = finite_values(*error), bounds = finite_values(*bound);
+    if (errors.size() < least_trials(probability)) continue;
+    const double spread = statement_of(errors, probability).standard_uncertainty;
+    const double least = bounds.empty() ? kNoValue : root_mean_square(bounds);
+    json["components"].push_back({{"component", component},
+                                  {"spread", spread},
+                                  {"cramer_rao_bound", number(least)},
+                                  {"spread_to_bound", number(spread / least)},
+                                  {"reported", number(root_mean_square(finite_values(*reported)))}});
+  }
+  if (const auto column = columns.find(case_number, view + ".normalised_error_squared")) {
+    const std::vector<double> values = finite_values(*column);
+    if (values.empty()) return json;
+    const double limit = chi_square_6_quantile(probability);
+    const auto covered = static_cast<std::size_t>(
+        std::count_if(values.begin(), values.end(), [&](double value) { return value <= limit; }));
+    json["coverage_of_reported_covariance"] = {
+        {"stated", probability},
+        {"observed", static_cast<double>(covered) / static_cast<double>(values.size())},
+        {"confidence_interval_95", interval(share_interval(covered, values.size(), 0.95))},
+        {"trials", values.size()}};
+  }
+  return json;
+}
+
+// Pose errors of the first trials and the ellipse of the mean reported covariance, for the plot.
+Json scatter(const Columns& columns, std::uint32_t case_number, const std::string& view) {
+  Json json;
+  for (const auto& [first, second, pair] :
+       {std::tuple{"x", "y", "xy"}, std::tuple{"x", "z", "xz"}, std::tuple{"y", "z", "yz"}}) {
+    std::vector<Column> found;
+    for (const std::string& name :
+         {fmt::format("error_translation_{}_mm", first), fmt::format("error_translation_{}_mm", second),
+          fmt::format("u_translation_{}_mm", first), fmt::format("u_translation_{}_mm", second),
+          fmt::format("reported_correlation_translation_{}", pair)})
+      if (auto column = columns.find(case_number, view + "." + name)) found.push_back(std::move(*column));
+    if (found.size() != 5) return nullptr;
+    const auto values = common_trials(found);
+    if (values[0].empty()) return nullptr;
+    double xx = 0.0, yy = 0.0, xy = 0.0;
+    const auto n = static_cast<double>(values[0].size());
+    for (std::size_t i = 0; i < values[0].size(); ++i) {
+      xx += values[2][i] * values[2][i] / n;
+      yy += values[3][i] * values[3][i] / n;
+      xy += values[2][i] * values[3][i] * values[4][i] / n;
+    }
+    Json points = Json::array();
+    for (std::size_t i = 0; i < std::min(kScatterPoints, values[0].size()); ++i)
+      points.push_back({values[0][i], values[1][i]});
+    json.push_back(
+        {{"x", first}, {"y", second}, {"mean_reported_covariance", {xx, xy, yy}}, {"points", points}});
+  }
+  return json;
+}
+
+// Running mean and standard uncertainty of the headline over the trials.
+Json convergence(const Column& column) {
+  Json json = Json::array();
+  double mean = 0.0, squares = 0.0;
+  std::size_t count = 0, next = 10;
+  for (const auto& [trial, value] : column) {
+    if (!std::isfinite(value)) continue;
+    ++count;
+    const double before = value - mean;
+    mean += before / static_cast<double>(count);
+    squares += before * (value - mean);
+    if (count != next && &column.back().first != &trial) continue;
+    next = std::max(next + 1, static_cast<std::size_t>(1.1 * static_cast<double>(next)));
+    if (count < 2) continue;
+    const double u = std::sqrt(squares / static_cast<double>(count - 1));
+    json.push_back({count, mean, u, u / std::sqrt(static_cast<double>(count))});
+  }
+  return json;
+}
+
+// The views that have a result in a case, in order.
+std::vector<std::string> views_of(const Json& quantities) {
+  std::vector<std::string> names;
+  for (const auto& [name, quantity] : quantities.items()) {
+    const std::string view = name.substr(0, name.find('.'));
+    if (names.empty() || names.back() != view) names.push_back(view);
+  }
+  return names;
+}
+
+Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore& store,
+               const TrialRange& trials, std::uint32_t number) {
+  const StudyCase& item = model.cases()[number];
+  const Columns columns(model, store, trials);
+  Json json{{"name", item.name}, {"trials", trials.size()}, {"failures", failures(store, number, trials)}};
+  for (std::size_t k = 0; k < item.sweep_values.size(); ++k)
+    json["sweep"][study.sweep[k].field] = item.sweep_values[k];
+  for (std::size_t k = 0; k < model.quantities().size(); ++k) {
+    const Column column = store.column(number, k, trials);
+    const bool exists =
+        std::any_of(column.begin(), column.end(), [](const auto& row) { return std::isfinite(row.second); });
+    if (exists)
+      json["quantities"][model.quantities()[k].name] =
+          statement(model.quantities()[k], column, study.coverage_probability);
+  }
+  const std::size_t headline = quantity_number(model, study.headline);
+  json["convergence"] = convergence(store.column(number, headline, trials));
+  for (const std::string& view : views_of(json.value("quantities", Json::object()))) {
+    json["theory"][view] = theory(columns, number, view, study.coverage_probability);
+    json["scatter"][view] = scatter(columns, number, view);
+  }
+  return json;
+}
+
+// Every given case against the first with the same values of the sweeps.
+Json comparisons(const StudySpec& study, const StudyModel& model, const TrialStore& store,
+                 const TrialRange& trials) {
+  Json list = Json::array();
+  if (study.cases.size() < 2) return list;
+  const std::vector<StudyCase>& cases = model.cases();
+  for (std::uint32_t second = 1; second < cases.size(); ++second) {
+    if (cases[second].role != StudyCase::Role::given) continue;
+    std::uint32_t first = 0;
+    while (cases[first].sweep_values != cases[second].sweep_values) ++first;
+    if (first == second) continue;
+    Json json{{"first", cases[first].name}, {"second", cases[second].name}};
+    for (std::size_t k = 0; k < model.quantities().size(); ++k) {
+      const auto values = common_trials({store.column(first, k, trials), store.column(second, k, trials)});
+      if (values[0].size() < 2) continue;
+      const PairedDifference d = paired_difference(values[0], values[1], study.coverage_probability);
+      json["quantities"][model.quantities()[k].name] = {{"unit", model.quantities()[k].unit},
+                                                        {"pairs", d.pairs},
+                                                        {"mean_difference", d.mean},
+                                                        {"standard_error", d.standard_error},
+                                                        {"confidence_interval", interval(d.confidence)},
+                                                        {"significant", d.significant}};
+    }
+    list.push_back(json);
+  }
+  return list;
+}
+
+// Contribution of every source to every quantity.
+Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& store,
+            const TrialRange& trials) {
+  Json json;
+  if (study.budget.empty()) return json;
+  const auto& cases = model.cases();
+  const auto case_with = [&](StudyCase::Role role,
+                             const std::string& source) -> std::optional<std::uint32_t> {
+    for (std::uint32_t number = 0; number < cases.size(); ++number)
+      if (cases[number].role == role && cases[number].source == source) return number;
+    return std::nullopt;
+  };
+  const auto all_anew = case_with(StudyCase::Role::all_anew, "");
+  for (std::size_t k = 0; k < model.quantities().size(); ++k) {
+    const Column base = store.column(0, k, trials);
+    Json rows = Json::array();
+    for (const std::string& source : active_sources(cases[0].scenario)) {
+      Json row{{"source", source}};
+      if (const auto only = case_with(StudyCase::Role::only_source, source)) {
+        const auto values = finite_values(store.column(*only, k, trials));
+        if (values.size() >= least_trials(study.coverage_probability))
+          row["alone_standard_uncertainty"] =
+              statement_of(values, study.coverage_probability).standard_uncertainty;
+      }
+      const auto anew = case_with(StudyCase::Role::source_anew, source);
+      if (all_anew && anew) {
+        const auto values =
+            common_trials({base, store.column(*all_anew, k, trials), store.column(*anew, k, trials)});
+        if (values[0].size() >= 2) {
+          const SobolIndex index = sobol_index(values[0], values[1], values[2]);
+          row["first_order"] = index.first_order;
+          row["first_order_error"] = index.first_order_error;
+          row["total"] = index.total;
+          row["total_error"] = index.total_error;
+        }
+      }
+      if (row.size() > 1) rows.push_back(row);
+    }
+    if (rows.empty()) continue;
+    const char* by = all_anew ? "total" : "alone_standard_uncertainty";
+    std::stable_sort(rows.begin(), rows.end(),
+                     [&](const Json& a, const Json& b) { return a.value(by, 0.0) > b.value(by, 0.0); });
+    json[model.quantities()[k].name] = {{"improve_first", rows[0]["source"]}, {"sources", rows}};
+  }
+  return json;
+}
+
+std::string scope_words(ErrorScope scope) {
+  switch (scope) {
+    case ErrorScope::setup:
+      return "drawn once for each trial";
+    case ErrorScope::view:
+      return "drawn for each view";
+    case ErrorScope::line:
+      return "drawn for each scan line";
+    case ErrorScope::point:
+      return "drawn for each point";
+  }
+  return "";
+}
+
+// ISO/TS 15530-4 asks for a declaration of what the virtual experiment covers.
+Json influences(const StudySpec& study, const Scenario& scenario) {
+  const std::string provenance = "stated in " + study.scenario.filename().string();
+  Json covered = Json::array(), silent = Json::array();
+  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
+    const auto source = static_cast<ErrorSource>(s);
+    const GaussianError& error = scenario.machine.simulation.errors[source];
+    if (error.sigma == 0.0 && error.mean == 0.0) {
+      silent.push_back(fmt::format("{}: {}", info(source).name, info(source).description));
+      continue;
+    }
+    covered.push_back({{"influence", fmt::format("{}: {}", info(source).name, info(source).description)},
+                       {"distribution", fmt::format("normal, mean {:.4g}, standard deviation {:.4g} {}",
+                                                    error.mean, error.sigma, info(source).unit)},
+                       {"scope", scope_words(error.scope)},
+                       {"provenance", provenance}});
+  }
+  const Lens& lens = scenario.machine.lens;
+  const SensorModel& sensor = scenario.machine.simulation.sensor;
+  covered.push_back(
+      {{"influence", "sensor: noise of the distance, rising with incidence, range and loss of signal"},
+       {"distribution",
+        fmt::format("normal, standard deviation {:.4g} mm at normal incidence, times {:.4g}; signal "
+                    "log-normal with {:.4g}",
+                    lens.accuracy_mm, sensor.noise_scale, sensor.speckle)},
+       {"scope", scope_words(ErrorScope::point)},
+       {"provenance", lens.verified
+                          ? "accuracy of lens " + lens.name + ": paper, section 4; model: docs/machine.md"
+                          : "lens as stated in the scenario; model: docs/machine.md"}});
+  covered.push_back({{"influence", "sensor: spot over edges, motion during the exposure, double reflection"},
+                     {"distribution", "computed from the scene"},
+                     {"scope", scope_words(ErrorScope::point)},
+                     {"provenance", "sensor model, docs/machine.md"}});
+  covered.push_back({{"influence", "registration: its own convergence, outliers, and the facets it works on"},
+                     {"distribution", "computed"},
+                     {"scope", "every trial"},
+                     {"provenance", "the program itself"}});
+  Json not_covered = silent;
+  if (scenario.machine.simulation.form_errors.empty())
+    not_covered.push_back("form errors and roughness of the part");
+  for (const char* words :
+       {"temperature of part and machine, and its gradients", "clamping forces and the weight of the part",
+        "vibration and the dynamics of the axes",
+        "optical properties of a real surface beyond the sensor model",
+        "contamination, operator, and errors of the CAD model"})
+    not_covered.push_back(words);
+  return {{"covered", covered}, {"not_covered", not_covered}};
+}
+
+std::string short_number(const Json& value) {
+  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "-";
+}
+
+}  // namespace
+
+nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& model, const StudyRun& run,
+                                      const TrialStore& store) {
+  Json json{{"kind", "virtual experiment"},
+            {"study", study.name},
+            {"description", study.description},
+            {"scenario", study.scenario.filename().string()},
+            {"program_version", program_version()},
+            {"program_commit", program_commit()},
+            {"generator", "Philox4x64-10, keyed by seed, trial and source"},
+            {"method", "GUM Supplement 1 (JCGM 101:2008)"},
+            {"seed", study.seed},
+            {"first_trial", run.trials.begin},
+            {"trials", run.trials.size()},
+            {"coverage_probability", study.coverage_probability},
+            {"headline", model.quantities()[quantity_number(model, study.headline)].name},
+            {"rows_hash", fmt::format("{:016x}", store.rows_hash(run.trials))}};
+  if (run.stopping) {
+    const StudyRun::Stopping& s = *run.stopping;
+    json["stopping"] = {{"quantity", s.quantity},
+                        {"stable", s.stable},
+                        {"blocks", s.blocks},
+                        {"block_size", s.block_size},
+                        {"numerical_tolerance", s.tolerance},
+                        {"largest_twice_standard_error", s.largest_twice_standard_error},
+                        {"trials_expected", s.trials_expected}};
+  }
+  json["influences"] = influences(study, model.cases()[0].scenario);
+  json["cases"] = Json::array();
+  for (std::uint32_t number = 0; number < model.cases().size(); ++number)
+    json["cases"].push_back(case_json(study, model, store, run.trials, number));
+  json["comparisons"] = comparisons(study, model, store, run.trials);
+  json["budget"] = budget(study, model, store, run.trials);
+  return json;
+}
+
+std::string study_table(const nlohmann::ordered_json& document) {
+  std::string text =
+      fmt::format("Virtual experiment, {} trials, seed {}, coverage probability {}, rows {}\n",
+                  document["trials"].get<std::uint64_t>(), document["seed"].get<std::uint64_t>(),
+                  document["coverage_probability"].get<double>(), document["rows_hash"].get<std::string>());
+  const Json& first = document["cases"][0];
+  text += fmt::format("\n{:44} {:>11} {:>11} {:>11} {:>11}  unit\n", first["name"].get<std::string>(), "mean",
+                      "u", "low", "high");
+  if (first.contains("quantities"))
+    for (const auto& [name, q] : first["quantities"].items())
+      if (q.contains("mean"))
+        text += fmt::format("{:44} {:>11} {:>11} {:>11} {:>11}  {}\n", name, short_number(q["mean"]),
+                            short_number(q["standard_uncertainty"]), short_number(q["shortest_interval"][0]),
+                            short_number(q["shortest_interval"][1]), q["unit"].get<std::string>());
+  const auto headline = document["headline"].get<std::string>();
+  if (document["cases"].size() > 1) {
+    text += fmt::format("\n{}\n", headline);
+    for (const Json& item : document["cases"])
+      if (item.contains("quantities") && item["quantities"].contains(headline) &&
+          item["quantities"][headline].contains("mean"))
+        text += fmt::format("{:44} {:>11} {:>11}\n", item["name"].get<std::string>(),
+                            short_number(item["quantities"][headline]["mean"]),
+                            short_number(item["quantities"][headline]["standard_uncertainty"]));
+  }
+  for (const Json& item : document["cases"])
+    for (const Json& failure : item["failures"])
+      text += fmt::format("failed in {}: {} of {}, first trial {}: {}\n", item["name"].get<std::string>(),
+                          failure["count"].get<std::uint64_t>(), item["trials"].get<std::uint64_t>(),
+                          failure["first_trial"].get<std::uint64_t>(), failure["reason"].get<std::string>());
+  if (document["budget"].contains(headline)) {
+    text += fmt::format("\nBudget of {}: improve {} first\n", headline,
+                        document["budget"][headline]["improve_first"].get<std::string>());
+    text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", "source", "u alone", "first order", "total");
+    for (const Json& row : document["budget"][headline]["sources"])
+      text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", row["source"].get<std::string>(),
+                          short_number(row.value("alone_standard_uncertainty", Json())),
+                          short_number(row.value("first_order", Json())),
+                          short_number(row.value("total", Json())));
+  }
+  return text;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,240 @@
+#include "apps/study/study_model.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "apps/measure.h"
+#include "apps/nearest_word.h"
+#include "apps/study/view_quantities.h"
+#include "apps/yaml_writer.h"
+#include "hardware/execute_plan.h"
+#include "registration/register_scan.h"
+
+namespace trueblade {
+namespace {
+
+constexpr const char* kTogether = "together";
+
+// A part with its search structures, shared by the cases and threads.
+struct SharedPart {
+  explicit SharedPart(const PartSpec& spec)
+      : nominal(put_on_machine(make_part(spec))), target(*nominal.part) {}
+  PartOnMachine nominal;
+  RegistrationTarget target;
+};
+
+// A part as it stands on the machine, where it is the same in every trial.
+struct CaseSetup {
+  std::shared_ptr<SharedPart> part;
+  std::shared_ptr<const std::vector<ScanPlan>> plans;  // one per view
+  std::optional<VirtualPart> virtual_part;             // nullopt: its form is drawn in every trial
+  std::string scan_key;  // cases with the same key measure the same: one scan serves them
+};
+
+// One trial's scans of all views.
+struct TrialScan {
+  VirtualPart part;
+  std::vector<ViewScan> views;
+  std::vector<SimulationTruth> truths;
+};
+
+bool form_is_random(const Scenario& scenario) {
+  const auto sources = active_sources(scenario);
+  return std::find(sources.begin(), sources.end(), "form") != sources.end();
+}
+
+TrialScan scan_trial(const StudyCase& study_case, const CaseSetup& setup, std::uint64_t trial) {
+  Scenario scenario = study_case.scenario;
+  scenario.trial = trial;
+  const VirtualPart part =
+      setup.virtual_part ? *setup.virtual_part : virtual_part(scenario, setup.part->nominal);
+  SimulatedMachine machine(part, virtual_setup(scenario));
+  TrialScan scan{part, {}, {}};
+  for (const ScanPlan& plan : *setup.plans) {
+    scan.views.push_back(execute_plan(machine, scenario.machine.geometry, plan));
+    scan.truths.push_back(machine.take_truth());
+  }
+  return scan;
+}
+
+void append_usable(const ViewScan& view, const SimulationTruth& truth, RegisteredPoints& registered,
+                   ScanPoints& points) {
+  for (std::size_t k = 0; k < view.usable.size(); ++k) {
+    registered.points.push_back(
+        {view.points.position_mcs_mm[k], view.points.snr[k], truth.hits[view.usable[k]].value()});
+    points.position_mcs_mm.push_back(view.points.position_mcs_mm[k]);
+    points.snr.push_back(view.points.snr[k]);
+  }
+  registered.true_part_from_mcs = truth.part_from_mcs;
+}
+
+std::string text_of(const PartSpec& spec) {
+  PartSpec copy = spec;
+  return yaml_text([&](YamlFields& io) { fields(io, copy, {}); });
+}
+
+// Everything that the scan of a case depends on.
+std::string scan_key_of(const Scenario& scenario) {
+  Scenario copy = scenario;
+  copy.name = "-";
+  copy.description.clear();
+  copy.registration = {};
+  copy.inspection = {};
+  copy.expect.clear();
+  return scenario_text(copy);
+}
+
+std::vector<std::string> view_names(const StudyCase& item, const std::vector<ScanPlan>& plans) {
+  if (item.views == ViewPolicy::together) return {kTogether};
+  std::vector<std::string> names;
+  for (const ScanPlan& plan : plans) names.push_back(plan.view);
+  return names;
+}
+
+}  // namespace
+
+struct StudyModel::Impl {
+  StudySpec study;
+  std::vector<CaseSetup> setups;           // one per case
+  std::vector<Quantity> of_view;           // without the view
+  std::vector<std::string> views;          // of all cases
+  std::vector<std::vector<bool>> is_kept;  // per view and quantity
+  std::vector<Quantity> kept;
+
+  void choose_quantities() {
+    std::vector<std::string> all;
+    for (const std::string& view : views)
+      for (const Quantity& quantity : of_view) all.push_back(view + "." + quantity.name);
+    for (const Quantity& quantity : of_view) all.push_back(quantity.name);
+    for (const std::string& name : study.quantities) require_known(name, "quantities", all);
+    if (!study.headline.empty()) require_known(study.headline, "headline", all);
+    if (study.tolerance) require_known(study.tolerance->quantity, "tolerance.quantity", all);
+    for (const std::string& view : views) {
+      is_kept.emplace_back();
+      for (const Quantity& quantity : of_view) {
+        const std::string full = view + "." + quantity.name;
+        is_kept.back().push_back(is_wanted(full, quantity.name));
+        if (is_kept.back().back()) kept.push_back({full, quantity.unit, quantity.description});
+      }
+    }
+  }
+
+  bool is_wanted(const std::string& full, const std::string& name) const {
+    const auto asks = [&](const std::string& word) { return word == full || word == name; };
+    if (study.quantities.empty() || asks(study.headline)) return true;
+    if (study.tolerance && asks(study.tolerance->quantity)) return true;
+    return std::any_of(study.quantities.begin(), study.quantities.end(), asks);
+  }
+
+  void require_known(const std::string& name, const std::string& key,
+                     const std::vector<std::string>& all) const {
+    if (std::find(all.begin(), all.end(), name) != all.end()) return;
+    const auto nearest = nearest_word(name, all);
+    throw file_error(study.file.string(),
+                     fmt::format("{}: there is no quantity \"{}\"{}", key, name,
+                                 nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : ""));
+  }
+
+  // Registers the points and puts the values of the view at their places; returns why there is no result.
+  std::string evaluate_view(const StudyCase& item, const CaseSetup& setup, const std::string& view,
+                            const RegisteredPoints& registered, const ScanPoints& points,
+                            const VirtualPart& part, std::vector<double>& values) const {
+    const Scenario& scenario = item.scenario;
+    const RegistrationResult result = register_scan(
+        setup.part->target, points, scenario.machine.mcs_from_part.inverse(), scenario.registration.options);
+    const auto view_number =
+        static_cast<std::size_t>(std::find(views.begin(), views.end(), view) - views.begin());
+    const std::vector<bool>& wanted = is_kept[view_number];
+    const std::vector<double> of_this =
+        values_of_view(study, scenario, setup.part->target, *part.model, registered, points, result, wanted);
+    std::size_t place = 0;
+    for (std::size_t v = 0; v < view_number; ++v)
+      place += static_cast<std::size_t>(std::count(is_kept[v].begin(), is_kept[v].end(), true));
+    for (std::size_t k = 0; k < of_this.size(); ++k)
+      if (wanted[k]) values[place++] = of_this[k];
+    return is_converged(result.termination) ? ""
+                                            : fmt::format("{}: the registration did not converge: {}", view,
+                                                          to_string(result.termination));
+  }
+
+  Outcome evaluate_case(const StudyCase& item, std::uint32_t number, const TrialScan& scan,
+                        std::uint64_t trial) const {
+    const CaseSetup& setup = setups[number];
+    Outcome outcome{number, trial, "", std::vector<double>(kept.size(), kNoValue)};
+    const auto note = [&](const std::string& failure) {
+      if (outcome.failure.empty()) outcome.failure = failure;
+    };
+    try {
+      RegisteredPoints registered;
+      ScanPoints points;
+      for (std::size_t v = 0; v < scan.views.size(); ++v) {
+        append_usable(scan.views[v], scan.truths[v], registered, points);
+        if (item.views == ViewPolicy::together) continue;
+        note(evaluate_view(item, setup, scan.views[v].view, registered, points, scan.part, outcome.values));
+        registered = {};
+        points = {};
+      }
+      if (item.views == ViewPolicy::together)
+        note(evaluate_view(item, setup, kTogether, registered, points, scan.part, outcome.values));
+    } catch (const InputError& failure) {
+      note(failure.what());
+    }
+    return outcome;
+  }
+};
+
+StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
+    : cases_(std::move(cases)), impl_(std::make_unique<Impl>()) {
+  impl_->study = study;
+  std::map<std::string, std::shared_ptr<SharedPart>> parts;
+  std::map<std::string, CaseSetup> scans;
+  for (const StudyCase& item : cases_) {
+    const std::string scan_key = scan_key_of(item.scenario);
+    auto known = scans.find(scan_key);
+    if (known == scans.end()) {
+      CaseSetup setup;
+      std::shared_ptr<SharedPart>& part = parts[text_of(item.scenario.part)];
+      if (!part) part = std::make_shared<SharedPart>(item.scenario.part);
+      setup.part = part;
+      setup.scan_key = scan_key;
+      setup.plans = std::make_shared<const std::vector<ScanPlan>>(
+          plan_views(item.scenario, part->nominal, views_of(item.scenario, part->nominal)));
+      if (!form_is_random(item.scenario)) setup.virtual_part = virtual_part(item.scenario, part->nominal);
+      known = scans.emplace(scan_key, std::move(setup)).first;
+    }
+    impl_->setups.push_back(known->second);
+    for (const std::string& view : view_names(item, *known->second.plans))
+      if (std::find(impl_->views.begin(), impl_->views.end(), view) == impl_->views.end())
+        impl_->views.push_back(view);
+  }
+  impl_->of_view = view_quantities(study);
+  impl_->choose_quantities();
+}
+
+StudyModel::~StudyModel() = default;
+
+const std::vector<Quantity>& StudyModel::quantities() const {
+  return impl_->kept;
+}
+
+std::vector<Outcome> StudyModel::evaluate(std::uint64_t trial) const {
+  std::vector<Outcome> outcomes;
+  std::optional<TrialScan> scan;
+  const std::string* scanned = nullptr;
+  for (std::uint32_t number = 0; number < cases_.size(); ++number) {
+    const CaseSetup& setup = impl_->setups[number];
+    try {
+      if (!scanned || *scanned != setup.scan_key) scan = scan_trial(cases_[number], setup, trial);
+      scanned = &setup.scan_key;
+      outcomes.push_back(impl_->evaluate_case(cases_[number], number, *scan, trial));
+    } catch (const MachineFault& fault) {
+      scanned = nullptr;
+      outcomes.push_back({number, trial, fault.what(), std::vector<double>(impl_->kept.size(), kNoValue)});
+    }
+  }
+  return outcomes;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,186 @@
+#include "apps/study/view_quantities.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "apps/study/pose_bound.h"
+#include "inspection/deviations.h"
+#include "inspection/result.h"
+
+namespace trueblade {
+namespace {
+
+constexpr std::array<const char*, 6> kPoseComponents{"rotation_x",    "rotation_y",    "rotation_z",
+                                                     "translation_x", "translation_y", "translation_z"};
+
+const char* pose_unit(std::size_t component) {
+  return component < 3 ? "rad" : "mm";
+}
+
+void add_pose_components(const std::string& stem, const std::string& description,
+                         std::vector<Quantity>& list) {
+  for (std::size_t k = 0; k < 6; ++k)
+    list.push_back({fmt::format("{}_{}_{}", stem, kPoseComponents[k], pose_unit(k)), pose_unit(k),
+                    description + (k < 3 ? " (about the axes of the part)" : " (of the scan centroid)")});
+}
+
+// Signed deviations as the report gives them.
+struct ReportedDeviations {
+  Deviations deviations;
+  DeviationStatistics statistics;
+};
+
+ReportedDeviations report(const RegistrationTarget& target, const Scenario& scenario, const ScanPoints& scan,
+                          const RigidTransform& part_from_mcs) {
+  ReportedDeviations reported;
+  reported.deviations = evaluate_deviations(target.part(), target.tree(), target.pseudo_normals(), scan,
+                                            part_from_mcs, {scenario.inspection.surface});
+  reported.statistics = statistics_of(reported.deviations.signed_mm, reported.deviations.outliers.is_outlier);
+  return reported;
+}
+
+// Profile of a surface: twice the largest deviation from the nominal surface, either side.
+double profile_mm(const ProfileSpec& profile, const std::vector<std::uint32_t>& surface,
+                  const std::function<double(std::size_t)>& deviation_mm) {
+  double largest = kNoValue;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (std::find(profile.surfaces.begin(), profile.surfaces.end(), surface[i]) == profile.surfaces.end())
+      continue;
+    largest = std::fmax(largest, std::abs(deviation_mm(i)));  // fmax passes over NaN
+  }
+  return 2.0 * largest;
+}
+
+// The part of the deviations' errors that comes of the pose: how far the registered pose carries each true
+// point along its normal.
+struct PoseDeviationError {
+  double squares = 0.0, sum = 0.0, largest = 0.0;  // largest by size, with its sign
+  std::size_t count = 0;
+
+  void add(double error_mm) {
+    squares += error_mm * error_mm;
+    sum += error_mm;
+    if (std::abs(error_mm) > std::abs(largest)) largest = error_mm;
+    ++count;
+  }
+  double mean_mm() const { return count > 0 ? sum / static_cast<double>(count) : kNoValue; }
+  double rms_mm() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : kNoValue; }
+  double largest_mm() const { return count > 0 ? largest : kNoValue; }
+};
+
+}  // namespace
+
+std::vector<Quantity> view_quantities(const StudySpec& study) {
+  std::vector<Quantity> list;
+  add_pose_components("error", "pose error", list);
+  list.push_back({"rotation_error_rad", "rad", "angle between registered and true pose"});
+  list.push_back({"translation_error_mm", "mm", "displacement of the scan centroid by the pose error"});
+  list.push_back({"points", "1", "usable points"});
+  list.push_back({"initial_rms_mm", "mm", "RMS distance at the preliminary pose"});
+  list.push_back({"rms_mm", "mm", "reported RMS of the signed deviations, report outliers left out"});
+  list.push_back({"min_mm", "mm", "reported least signed deviation"});
+  list.push_back({"max_mm", "mm", "reported largest signed deviation"});
+  list.push_back({"iterations", "1", "iterations of the registration"});
+  list.push_back({"inliers", "1", "points that took part in the last iteration"});
+  add_pose_components("u", "standard uncertainty that the registration reports", list);
+  for (const char* pair : {"xy", "xz", "yz"})
+    list.push_back({fmt::format("reported_correlation_translation_{}", pair), "1",
+                    "correlation of the translation, as the registration reports it"});
+  list.push_back({"normalised_error_squared", "1",
+                  "pose error in the metric of its reported covariance; chi-square of 6 when it is right"});
+  add_pose_components("bound", "Cramer-Rao bound of the standard deviation for the sensor's noise", list);
+  list.push_back(
+      {"deviation_error_rms_mm", "mm", "error of the deviations by the pose, RMS over the points"});
+  list.push_back({"deviation_error_largest_mm", "mm", "the same, largest by size, signed"});
+  for (const std::uint32_t surface : study.surfaces) {
+    list.push_back({fmt::format("surface_{}_mean_error_mm", surface), "mm",
+                    "error of the deviations by the pose, mean over the surface's points"});
+    list.push_back(
+        {fmt::format("surface_{}_largest_error_mm", surface), "mm", "the same, largest by size, signed"});
+  }
+  for (const ProfileSpec& profile : study.profiles)
+    list.push_back({fmt::format("profile_{}_error_mm", profile.name), "mm",
+                    "profile of the surface as reported minus the true one, noise included"});
+  return list;
+}
+
+std::vector<double> values_of_view(const StudySpec& study, const Scenario& scenario,
+                                   const RegistrationTarget& target, const FacetModel& model,
+                                   const RegisteredPoints& registered, const ScanPoints& scan,
+                                   const RegistrationResult& result, const std::vector<bool>& wanted) {
+  std::vector<double> values;
+  values.reserve(wanted.size());
+  const auto any_wanted = [&](std::size_t from, std::size_t count) {
+    return std::find(wanted.begin() + static_cast<std::ptrdiff_t>(from),
+                     wanted.begin() + static_cast<std::ptrdiff_t>(from + count),
+                     true) != wanted.begin() + static_cast<std::ptrdiff_t>(from + count);
+  };
+
+  const Vec3& pivot = result.centroid_part_mm;
+  const Vec6 error = step_between(registered.true_part_from_mcs, result.part_from_mcs, pivot);
+  values.insert(values.end(), error.begin(), error.end());
+  values.push_back(error.head<3>().norm());
+  values.push_back(error.tail<3>().norm());
+  values.push_back(static_cast<double>(scan.size()));
+  values.push_back(result.initial_rms_mm);
+
+  // rms, min and max are 10 to 12; the profiles stand at the end.
+  std::optional<ReportedDeviations> reported;
+  const bool profiles_wanted = any_wanted(wanted.size() - study.profiles.size(), study.profiles.size());
+  if (any_wanted(values.size(), 3) || profiles_wanted)
+    reported = report(target, scenario, scan, result.part_from_mcs);
+  values.push_back(reported ? reported->statistics.rms_mm : kNoValue);
+  values.push_back(reported ? reported->statistics.min_mm : kNoValue);
+  values.push_back(reported ? reported->statistics.max_mm : kNoValue);
+  values.push_back(result.iterations);
+  values.push_back(static_cast<double>(result.inliers));
+
+  for (Eigen::Index k = 0; k < 6; ++k) values.push_back(std::sqrt(result.covariance(k, k)));
+  for (const auto& [a, b] : {std::pair{3, 4}, std::pair{3, 5}, std::pair{4, 5}})
+    values.push_back(result.covariance(a, b) / std::sqrt(result.covariance(a, a) * result.covariance(b, b)));
+  const Eigen::LDLT<Mat6> covariance(result.covariance);
+  const bool whole =
+      result.undetermined.empty() && covariance.isPositive() && covariance.vectorD().minCoeff() > 0.0;
+  values.push_back(whole ? error.dot(covariance.solve(error)) : kNoValue);
+
+  const Vec6 bound = pose_bound(scenario, model, registered, pivot);
+  values.insert(values.end(), bound.begin(), bound.end());
+
+  PoseDeviationError all;
+  std::map<std::uint32_t, PoseDeviationError> by_surface;
+  const RigidTransform registered_from_true = result.part_from_mcs * registered.true_part_from_mcs.inverse();
+  for (const TruePoint& point : registered.points) {
+    const Vec3& p = point.hit.point_pcs_mm;
+    const double error_mm = model.facet_normal(point.hit.facet).dot(registered_from_true * p - p);
+    all.add(error_mm);
+    by_surface[point.hit.surface].add(error_mm);
+  }
+  values.push_back(all.rms_mm());
+  values.push_back(all.largest_mm());
+  for (const std::uint32_t surface : study.surfaces) {
+    values.push_back(by_surface[surface].mean_mm());
+    values.push_back(by_surface[surface].largest_mm());
+  }
+
+  for (const ProfileSpec& profile : study.profiles) {
+    if (!reported) {
+      values.push_back(kNoValue);
+      continue;
+    }
+    std::vector<std::uint32_t> true_surface;
+    for (const TruePoint& point : registered.points) true_surface.push_back(point.hit.surface);
+    const double measured = profile_mm(profile, true_surface, [&](std::size_t i) {
+      return reported->deviations.outliers.is_outlier[i] ? kNoValue : reported->deviations.signed_mm[i];
+    });
+    const double truth = profile_mm(profile, true_surface,
+                                    [&](std::size_t i) { return registered.points[i].hit.deviation_mm; });
+    values.push_back(measured - truth);
+  }
+  return values;
+}
+
+}  // namespace trueblade

@@ -1,0 +1,38 @@
+// The quantities that a study keeps of one registered view.
+#pragma once
+
+#include <vector>
+
+#include "apps/study/study_spec.h"
+#include "hardware/scan_plan.h"
+#include "registration/result.h"
+#include "registration/target.h"
+#include "sim/simulated_machine.h"
+#include "sim/study/trial.h"
+
+namespace trueblade {
+
+// What is kept of every view, whatever the study, in a fixed order; names without the view.
+std::vector<Quantity> view_quantities(const StudySpec& study);
+
+// A usable sample, as the evaluation of a study needs it.
+struct TruePoint {
+  Vec3 measured_mcs_mm;
+  double snr;
+  TrueHit hit;
+};
+
+// The points of one registered scan, be it of one view or of several together.
+struct RegisteredPoints {
+  std::vector<TruePoint> points;
+  RigidTransform true_part_from_mcs;
+};
+
+// The values of view_quantities, NaN where a quantity does not exist. `wanted`: which of them; the costly
+// ones are left out otherwise. `model` is the facet model of the true part, to which the hits belong.
+std::vector<double> values_of_view(const StudySpec& study, const Scenario& scenario,
+                                   const RegistrationTarget& target, const FacetModel& model,
+                                   const RegisteredPoints& registered, const ScanPoints& scan,
+                                   const RegistrationResult& result, const std::vector<bool>& wanted);
+
+}  // namespace trueblade

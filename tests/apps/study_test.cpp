@@ -1,0 +1,226 @@
+// Studies as a user runs them: the same rows for any number of threads, for interrupted and resumed, merged
+// and MPI runs; one trial shown alone; what the statement says; bad input.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "tests/apps/sample_inputs.h"
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kStudy = R"(scenario: cube.yaml
+seed: 3
+trials: 40
+coverage_probability: 0.9
+set:
+  - {field: scan.spacing_mm, value: 2.0}
+  - {field: "machine.simulation.errors.fixture_x", value: "{sigma_mm: 0.1}"}
+cases:
+  - {name: weighted}
+  - {name: uniform, set: [{field: registration.weights.source, value: uniform}]}
+headline: error_translation_x_mm
+)";
+
+class StudyTest : public ::testing::Test {
+ protected:
+  StudyTest() { write("study.yaml", kStudy); }
+
+  void write(const std::string& name, const std::string& text) const { folder_.write(name, text); }
+  ChildResult run(std::vector<std::string> arguments, const ChildOptions& options = {}) const {
+    arguments.insert(arguments.begin(), "study");
+    return run_trueblade(arguments, folder_.path(), options);
+  }
+  Json document(const std::string& out) const { return Json::parse(text_of(folder_ / out / "study.json")); }
+  std::string rows(const std::string& out) const { return document(out)["rows_hash"]; }
+
+  CubeFolder folder_;
+};
+
+TEST_F(StudyTest, SameRowsForThreadsRangesAndInterruption) {
+  ASSERT_EQ(run({"study.yaml", "--threads", "1", "--out", "one"}).exit_code, 0);
+  const std::string hash = rows("one");
+  ASSERT_EQ(run({"study.yaml", "--threads", "3", "--out", "three"}).exit_code, 0);
+  EXPECT_EQ(rows("three"), hash);
+  // The whole statement, not only the rows.
+  EXPECT_EQ(text_of(folder_ / "one/study.json"), text_of(folder_ / "three/study.json"));
+
+  ASSERT_EQ(run({"study.yaml", "--trials", "25:40", "--out", "b"}).exit_code, 0);
+  ASSERT_EQ(run({"study.yaml", "--trials", "25", "--out", "a"}).exit_code, 0);
+  const ChildResult merged =
+      run({"merge", "study.yaml", "b/trials.sqlite", "a/trials.sqlite", "--out", "merged"});
+  ASSERT_EQ(merged.exit_code, 0) << merged.err;
+  EXPECT_EQ(rows("merged"), hash);
+
+  // A run that ended early, and went on.
+  ASSERT_EQ(run({"study.yaml", "--trials", "7", "--out", "early"}).exit_code, 0);
+  const ChildResult again = run({"study.yaml", "--out", "early"});
+  EXPECT_EQ(again.exit_code, 2);
+  EXPECT_NE(again.err.find("--resume"), std::string::npos) << again.err;
+  ASSERT_EQ(run({"study.yaml", "--out", "early", "--resume"}).exit_code, 0);
+  EXPECT_EQ(rows("early"), hash);
+  EXPECT_EQ(text_of(folder_ / "early/study.json"), text_of(folder_ / "one/study.json"));
+}
+
+TEST_F(StudyTest, CtrlCLeavesAStateThatGoesOn) {
+  ChildOptions options;
+  options.interrupt_after = "trials to do";
+  const ChildResult interrupted = run({"study.yaml", "--trials", "3000", "--out", "run"}, options);
+  EXPECT_EQ(interrupted.exit_code, 130) << interrupted.err;
+  EXPECT_NE(interrupted.err.find("--resume"), std::string::npos) << interrupted.err;
+  ASSERT_EQ(run({"study.yaml", "--trials", "20", "--out", "run", "--resume"}).exit_code, 0);
+  ASSERT_EQ(run({"study.yaml", "--trials", "20", "--out", "whole"}).exit_code, 0);
+  EXPECT_EQ(rows("run"), rows("whole"));
+}
+
+TEST_F(StudyTest, TwoRanksGiveTheSameRows) {
+  if (std::system("command -v mpirun > /dev/null") != 0) GTEST_SKIP() << "there is no mpirun here";
+  const std::string ranks =
+      "cd '" + folder_.path().string() +
+      "' && OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 100 mpirun "
+      "-n 2 --oversubscribe '" TRUEBLADE_PROGRAM
+      "' study study.yaml --out ranks "
+      "> ranks.txt 2>&1";
+  const int code = std::system(ranks.c_str());
+  if (text_of(folder_ / "ranks.txt").find("built without MPI") != std::string::npos)
+    GTEST_SKIP() << "built without MPI";
+  ASSERT_EQ(code, 0) << text_of(folder_ / "ranks.txt");
+  ASSERT_EQ(run({"study.yaml", "--out", "one"}).exit_code, 0);
+  EXPECT_EQ(rows("ranks"), rows("one"));
+}
+
+TEST_F(StudyTest, OneTrialShownAloneIsTheSameTrial) {
+  ASSERT_EQ(run({"study.yaml", "--csv", "--out", "run"}).exit_code, 0);
+  const ChildResult shown =
+      run({"show", "study.yaml", "--trial", "31", "--case", "uniform", "--out", "trial"});
+  ASSERT_EQ(shown.exit_code, 0) << shown.err;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "trial/scan_front.ply"));
+  const Json view = Json::parse(text_of(folder_ / "trial/result.json"))["views"][0];
+
+  std::ifstream csv(folder_ / "run/trials.csv");
+  std::string head, line;
+  std::getline(csv, head);
+  while (std::getline(csv, line) && line.rfind("31,\"uniform\"", 0) != 0) {
+  }
+  const auto cell = [&](const std::string& name) {
+    std::istringstream names(head), cells(line);
+    std::string key, value;
+    while (std::getline(names, key, ',') && std::getline(cells, value, ','))
+      if (key == name) return std::stod(value);
+    return std::nan("");
+  };
+  EXPECT_EQ(cell("front.rotation_error_rad"), view["truth"]["rotation_error_rad"].get<double>());
+  EXPECT_EQ(cell("front.rms_mm"), view["rms_mm"].get<double>());
+  EXPECT_EQ(cell("front.iterations"), view["iterations"].get<double>());
+}
+
+TEST_F(StudyTest, StatementComparisonAndPage) {
+  ASSERT_EQ(run({"study.yaml", "--out", "run"}).exit_code, 0);
+  const Json json = document("run");
+  EXPECT_EQ(json["kind"], "virtual experiment");
+  const Json& rms = json["cases"][0]["quantities"]["front.rms_mm"];
+  EXPECT_EQ(rms["values"], 40);
+  EXPECT_NEAR(rms["mean"].get<double>(), 0.004, 0.001);  // 3 um at normal incidence, 55 degrees on the cube
+  EXPECT_LE(rms["shortest_interval"][1].get<double>() - rms["shortest_interval"][0].get<double>(),
+            rms["symmetric_interval"][1].get<double>() - rms["symmetric_interval"][0].get<double>());
+  EXPECT_EQ(json["comparisons"][0]["quantities"]["front.points"]["mean_difference"], 0.0);  // the same scans
+  // No estimate from these points scatters less than the bound; 40 trials know a spread to 11 %.
+  for (const Json& component : json["cases"][0]["theory"]["front"]["components"]) {
+    EXPECT_GT(component["spread_to_bound"].get<double>(), 0.6) << component;
+    EXPECT_LT(component["spread_to_bound"].get<double>(), 1.6) << component;
+  }
+  const std::string page = text_of(folder_ / "run/study.html");
+  EXPECT_EQ(page.find("/*DOCUMENT*/"), std::string::npos);
+  EXPECT_EQ(page.find("src="), page.find("src=\"data"));  // nothing is fetched
+  EXPECT_NE(page.find(json["rows_hash"].get<std::string>()), std::string::npos);
+}
+
+TEST_F(StudyTest, BudgetFindsTheSourceThatMatters) {
+  // The offset of the sensor shifts the scan along the beam and the registration takes it for a place of the
+  // part; the fixture's error is registered away.
+  write("budget.yaml", R"(scenario: cube.yaml
+trials: 60
+set:
+  - {field: scan.spacing_mm, value: 2.0}
+  - {field: machine.simulation.errors.fixture_x, value: "{sigma_mm: 0.1}"}
+  - {field: machine.simulation.errors.sensor_distance, value: "{sigma_mm: 0.02}"}
+budget: [one_at_a_time, sobol]
+quantities: [front.translation_error_mm]
+headline: front.translation_error_mm
+)");
+  const ChildResult result = run({"budget.yaml", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("improve sensor_distance first"), std::string::npos) << result.out;
+  const Json budget = document("run")["budget"]["front.translation_error_mm"];
+  EXPECT_EQ(budget["sources"].size(), 3u);
+  EXPECT_GT(budget["sources"][0]["total"].get<double>(), 0.8);
+  for (std::size_t k = 1; k < 3; ++k) EXPECT_LT(budget["sources"][k]["total"].get<double>(), 0.2);
+}
+
+TEST_F(StudyTest, AdaptiveNumberOfTrials) {
+  write("adaptive.yaml",
+        std::string(kStudy) +
+            "block: 100\ntolerance: {quantity: front.rms_mm, absolute: 0.001, maximum_trials: "
+            "1000}\n");
+  ASSERT_EQ(run({"adaptive.yaml", "--out", "run"}).exit_code, 0);
+  EXPECT_EQ(document("run")["stopping"]["blocks"], 2);
+  EXPECT_EQ(document("run")["trials"], 200);
+  write("strict.yaml",
+        std::string(kStudy) +
+            "block: 100\ntolerance: {quantity: front.rms_mm, absolute: 1e-9, maximum_trials: 200}\n");
+  const ChildResult strict = run({"strict.yaml", "--out", "strict"});
+  EXPECT_EQ(strict.exit_code, 1);
+  EXPECT_NE(strict.err.find("front.rms_mm is not stable after 2 blocks of 100"), std::string::npos)
+      << strict.err;
+}
+
+TEST_F(StudyTest, BadInput) {
+  const auto expect_refused = [&](const std::string& text, const std::string& words) {
+    write("bad.yaml", text);
+    const ChildResult result = run({"bad.yaml", "--out", "bad"});
+    EXPECT_EQ(result.exit_code, 2) << text << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << result.err;
+  };
+  const std::string study = kStudy;
+  expect_refused(study + "sweep: [{field: scan.spacing_m, values: [1, 2]}]\n",
+                 "unknown key \"spacing_m\" in scan, did you mean \"spacing_mm\"?");
+  expect_refused(study + "sweep: [{field: scan.spacing_mm, values: [-1]}]\n", "must be above 0");
+  expect_refused(study + "sweep: [{field: scan.views.7.theta_deg, values: [0]}]\n",
+                 "must be a place in a list of 2");
+  expect_refused(study + "sweeps: []\n", "did you mean \"sweep\"?");
+  expect_refused("scenario: cube.yaml\ntrials: 0\n", "bad.yaml:2: trials is 0");
+  expect_refused("scenario: none.yaml\n", "none.yaml: no such file");
+  expect_refused("scenario: cube.yaml\nheadline: rms_m\n", "did you mean \"rms_mm\"?");
+  expect_refused("scenario: cube.yaml\ntolerance: {quantity: rms_mm, maximum_trials: 100}\n",
+                 "must be at least two blocks of 10000");
+  expect_refused(
+      "scenario: cube.yaml\nset: [{field: machine.mcs_from_part.translation_mm, value: \"[0, 0, 1e4]\"}]\n",
+      "travel");
+  EXPECT_EQ(run({"study.yaml", "--trials", "5:5"}).exit_code, 2);
+  EXPECT_EQ(run({"study.yaml", "--trials", "many"}).exit_code, 2);
+  EXPECT_EQ(run({}).exit_code, 2);
+}
+
+TEST_F(StudyTest, StopsEarlyWhenEveryTrialFails) {
+  write("hopeless.yaml",
+        std::string(kStudy) + "sweep: [{field: registration.termination.maximum_iterations, values: [1]}]\n");
+  const ChildResult result = run({"hopeless.yaml", "--trials", "100000", "--out", "run"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("all of its first 100 trials failed"), std::string::npos) << result.err;
+}
+
+TEST_F(StudyTest, RefusesResultsOfAnotherStudy) {
+  ASSERT_EQ(run({"study.yaml", "--trials", "2", "--out", "run"}).exit_code, 0);
+  write("other.yaml", std::string(kStudy) + "sweep: [{field: machine.lens.accuracy_mm, values: [0.005]}]\n");
+  const ChildResult result = run({"other.yaml", "--out", "run", "--resume"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("is of another study: it has \"case: weighted"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace trueblade
