@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <optional>
 
 #include "apps/study/pose_bound.h"
 #include "inspection/deviations.h"
