@@ -333,7 +333,7 @@ YamlNode& node_at(YamlNode& root, const std::string& path) {
   return *node;
 }
 
-void read_document(YamlNode& root, const std::string& file, const YamlFields::MapFunction& fields) {
+void read_document(const YamlNode& root, const std::string& file, const YamlFields::MapFunction& fields) {
   if (root.kind == YamlNode::Kind::empty) throw file_error(file, "is empty");
   if (root.kind != YamlNode::Kind::map)
     throw line_error(file, root.line, "holds " + kind_words(root.kind) + ", must be a map of keys");
@@ -345,7 +345,7 @@ void read_document(YamlNode& root, const std::string& file, const YamlFields::Ma
 }  // namespace
 
 void read_yaml_text(const std::string& text, const std::string& file, const YamlFields::MapFunction& fields) {
-  YamlNode root = parse_document(text, file);
+  const YamlNode root = parse_document(text, file);
   read_document(root, file, fields);
 }
 

@@ -48,7 +48,7 @@ void fields(YamlFields& io, ToleranceSpec& tolerance) {
   io.integer("maximum_trials", tolerance.maximum_trials, 1, std::uint64_t{1} << 40);
 }
 
-void fields(YamlFields& io, ProfileSpec& profile) {
+void fields(YamlFields& io, ProfileQuantity& profile) {
   io.require("name");
   io.require("surfaces");
   io.text("name", profile.name);
@@ -99,8 +99,8 @@ void fields(YamlFields& io, StudySpec& study) {
   io.text("headline", study.headline);
   io.texts("quantities", study.quantities);
   io.integers("surfaces", study.surfaces);
-  io.list<ProfileSpec>("profiles", study.profiles,
-                       [](YamlFields& inner, ProfileSpec& item) { fields(inner, item); });
+  io.list<ProfileQuantity>("profiles", study.profiles,
+                       [](YamlFields& inner, ProfileQuantity& item) { fields(inner, item); });
   io.check([&] { check_study(study); });
 }
 

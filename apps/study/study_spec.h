@@ -41,7 +41,7 @@ struct ToleranceSpec {
 
 enum class BudgetMethod { one_at_a_time, sobol };
 
-struct ProfileSpec {
+struct ProfileQuantity {
   std::string name;
   std::vector<std::uint32_t> surfaces;
 };
@@ -63,7 +63,7 @@ struct StudySpec {
   std::string headline;                 // quantity of the running estimate, the budget and the plots
   std::vector<std::string> quantities;  // to keep, with or without their view; empty: all
   std::vector<std::uint32_t> surfaces;  // CAD surfaces whose deviation error is kept by itself
-  std::vector<ProfileSpec> profiles;    // profile of a surface, each over its surfaces
+  std::vector<ProfileQuantity> profiles;    // profile of a surface, each over its surfaces
 };
 
 // Throws InputError naming file and line. Paths in the file are relative to its folder.

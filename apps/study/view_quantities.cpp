@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
+#include <optional>
 
 #include "apps/study/pose_bound.h"
 #include "inspection/deviations.h"
@@ -44,7 +47,7 @@ ReportedDeviations report(const RegistrationTarget& target, const Scenario& scen
 }
 
 // Profile of a surface: twice the largest deviation from the nominal surface, either side.
-double profile_mm(const ProfileSpec& profile, const std::vector<std::uint32_t>& surface,
+double profile_mm(const ProfileQuantity& profile, const std::vector<std::uint32_t>& surface,
                   const std::function<double(std::size_t)>& deviation_mm) {
   double largest = kNoValue;
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -102,7 +105,7 @@ std::vector<Quantity> view_quantities(const StudySpec& study) {
     list.push_back(
         {fmt::format("surface_{}_largest_error_mm", surface), "mm", "the same, largest by size, signed"});
   }
-  for (const ProfileSpec& profile : study.profiles)
+  for (const ProfileQuantity& profile : study.profiles)
     list.push_back({fmt::format("profile_{}_error_mm", profile.name), "mm",
                     "profile of the surface as reported minus the true one, noise included"});
   return list;
@@ -166,7 +169,7 @@ std::vector<double> values_of_view(const StudySpec& study, const Scenario& scena
     values.push_back(by_surface[surface].largest_mm());
   }
 
-  for (const ProfileSpec& profile : study.profiles) {
+  for (const ProfileQuantity& profile : study.profiles) {
     if (!reported) {
       values.push_back(kNoValue);
       continue;
