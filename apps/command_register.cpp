@@ -6,14 +6,15 @@
 #include "apps/cautions.h"
 #include "apps/command.h"
 #include "apps/evaluate_view.h"
+#include "apps/pose_file.h"
 #include "apps/registration_fields.h"
 #include "apps/version.h"
-#include "apps/yaml_reader.h"
 #include "geometry/atomic_file.h"
 #include "inspection/deviation_ply.h"
 #include "inspection/result_json.h"
 #include "inspection/table.h"
 #include "part/read_points.h"
+#include "registration/compare_variants.h"
 
 namespace trueblade {
 namespace {
@@ -26,17 +27,12 @@ struct RegisterOptions {
   std::string options_file;
   std::filesystem::path out;
   bool cross_check = false;
+  bool compare = false;
 };
 
 std::optional<LengthUnit> unit_of(const std::string& text) {
   if (text.empty()) return std::nullopt;
   return parse_length_unit(text);
-}
-
-RigidTransform read_initial_pose(const std::string& file) {
-  RigidTransform part_from_mcs;
-  if (!file.empty()) read_yaml(file, [&](YamlFields& io) { io.pose("part_from_mcs", part_from_mcs); });
-  return part_from_mcs;
 }
 
 RegistrationSpec registration_of(const RegisterOptions& options) {
@@ -59,26 +55,39 @@ void write_report(const std::filesystem::path& folder, const InspectionResult& r
   spdlog::info("report: {}", folder.string());
 }
 
-int run_registration(const RegisterOptions& options, bool json) {
-  const RegistrationSpec registration = registration_of(options);
-  const RigidTransform initial = read_initial_pose(options.initial_file);
+// What the command reads.
+struct Input {
+  Part part;
+  ScanPoints scan;
+  ScanPose pose;
+};
+
+Input read_input(const RegisterOptions& options) {
+  Input input;
+  if (!options.initial_file.empty()) input.pose = read_scan_pose(options.initial_file);
   PartOptions part_options;
   part_options.unit = unit_of(options.unit);
-  const Part part = read_part(options.part_file, part_options);
-  const ScanPoints scan = read_points(options.scan_file, unit_of(options.scan_unit));
-  spdlog::info("part {}: {} facets; scan {}: {} points", options.part_file, part.model.facet_count(),
-               options.scan_file, scan.size());
+  input.part = read_part(options.part_file, part_options);
+  input.scan = read_points(options.scan_file, unit_of(options.scan_unit));
+  spdlog::info("part {}: {} facets; scan {}: {} points", options.part_file, input.part.model.facet_count(),
+               options.scan_file, input.scan.size());
+  return input;
+}
 
+int run_registration(const RegisterOptions& options, bool json) {
+  const RegistrationSpec registration = registration_of(options);
+  const Input input = read_input(options);
   if (!options.out.empty()) create_output_folder(options.out);
 
-  const RegistrationTarget target(part);
-  const EvaluatedView view = evaluate_view(target, "scan", scan, initial, registration.options,
-                                           DeviationSurface::exact, std::nullopt);
+  const RegistrationTarget target(input.part);
+  const EvaluatedView view =
+      evaluate_view(target, "scan", input.scan, input.pose.part_from_mcs, registration.options,
+                    DeviationSurface::exact, input.pose.true_part_from_mcs);
   InspectionResult result;
   result.run.program_version = fmt::format("{} ({})", program_version(), program_commit());
   result.run.part = options.part_file;
-  result.run.surfaces = part.surfaces.size();
-  result.run.facets = part.model.facet_count();
+  result.run.surfaces = input.part.surfaces.size();
+  result.run.facets = input.part.model.facet_count();
   result.run.registration_preset = registration.preset;
   result.run.deviations_from = to_string(DeviationSurface::exact);
   result.run.colour_limit_mm = rounded_colour_limit_mm(view.result.statistics.rms_mm);
@@ -91,6 +100,37 @@ int run_registration(const RegisterOptions& options, bool json) {
     fmt::print("{}", inspection_table(result));
   for (const std::string& caution : cautions(view.result)) spdlog::warn("{}", caution);
   return is_converged(view.result.registration.termination) ? ExitCode::done : ExitCode::expectation_failed;
+}
+
+nlohmann::ordered_json variant_json(const VariantResult& row) {
+  const RegistrationResult& r = row.result;
+  nlohmann::ordered_json json{{"variant", row.name},
+                              {"termination", to_string(r.termination)},
+                              {"iterations", r.iterations},
+                              {"closest_points", r.work.queries},
+                              {"facets_tested", r.work.facets_tested},
+                              {"cache_hits", r.work.cache_hits},
+                              {"time_s", row.time_s},
+                              {"inliers", r.inliers},
+                              {"rms_mm", r.rms_mm}};
+  if (row.centroid_error_mm) json["translation_error_mm"] = *row.centroid_error_mm;
+  if (row.rotation_error_rad) json["rotation_error_rad"] = *row.rotation_error_rad;
+  return json;
+}
+
+int run_comparison(const RegisterOptions& options, bool json) {
+  const Input input = read_input(options);
+  const RegistrationTarget target(input.part);
+  const auto results =
+      compare_variants(target, input.scan, input.pose.part_from_mcs, input.pose.true_part_from_mcs);
+  if (json) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const VariantResult& row : results) rows.push_back(variant_json(row));
+    fmt::print("{}\n", rows.dump(2));
+  } else {
+    fmt::print("{}", variants_table(results));
+  }
+  return ExitCode::done;
 }
 
 }  // namespace
@@ -113,24 +153,38 @@ void add_register_command(CLI::App& app, CommandLine& line) {
       ->add_option(
           "--initial", options->initial_file,
           "Where the scan lies to begin with: YAML or JSON with part_from_mcs: {rotation_wxyz: [w, x, y, z], "
-          "translation_mm: [x, y, z]} (default: as the coordinates are)")
+          "translation_mm: [x, y, z]}, and true_part_from_mcs where it is known, as `trueblade scan` writes "
+          "(default: as the coordinates are)")
       ->type_name("FILE");
   CLI::Option* preset_option =
       command->add_option("--preset", options->preset, "default, or zhu2007: as published")
           ->type_name("NAME");
-  command->add_option("--options", options->options_file, "Registration options (YAML), as in a scenario")
-      ->type_name("FILE")
-      ->excludes(preset_option);
-  command->add_option("--out", options->out, "Folder for result.json and deviations_scan.ply")
-      ->type_name("DIR");
-  command->add_flag("--cross-check", options->cross_check,
-                    "Compare the result with independent answers by Ceres");
+  CLI::Option* options_option =
+      command->add_option("--options", options->options_file, "Registration options (YAML), as in a scenario")
+          ->type_name("FILE")
+          ->excludes(preset_option);
+  CLI::Option* out_option =
+      command->add_option("--out", options->out, "Folder for result.json and deviations_scan.ply")
+          ->type_name("DIR");
+  CLI::Option* cross_check_flag = command->add_flag("--cross-check", options->cross_check,
+                                                    "Compare the result with independent answers by Ceres");
+  command
+      ->add_flag("--compare", options->compare,
+                 "Register by every published variant instead, and print them side by side")
+      ->excludes(preset_option)
+      ->excludes(options_option)
+      ->excludes(out_option)
+      ->excludes(cross_check_flag);
   command->add_flag("--json", line.json, "Print result.json on standard output instead of the table");
   command->footer(R"(
 Example:
-  trueblade register --part blade.step --scan points.xyz --scan-unit mm --out report)");
-  command->callback(
-      [options, &line] { line.chosen = [options, &line] { return run_registration(*options, line.json); }; });
+  trueblade register --part blade.step --scan points.xyz --scan-unit mm --out report
+  trueblade register --part blade.step --scan scan.ply --initial scan.pose.yaml --compare)");
+  command->callback([options, &line] {
+    line.chosen = [options, &line] {
+      return options->compare ? run_comparison(*options, line.json) : run_registration(*options, line.json);
+    };
+  });
 }
 
 }  // namespace trueblade

@@ -6,6 +6,7 @@
 #include "apps/command.h"
 #include "apps/interrupt.h"
 #include "apps/measure.h"
+#include "apps/pose_file.h"
 #include "geometry/atomic_file.h"
 #include "hardware/scan_file.h"
 
@@ -39,8 +40,11 @@ int scan(const ScanOptions& options, bool json) {
     const MeasuredView measured = measurement.measure(view);
     const std::filesystem::path file = file_of_view(options, scenario, view.name);
     write_scan(file, measured.scan);
+    const std::filesystem::path pose_file = std::filesystem::path(file).replace_extension(".pose.yaml");
+    write_scan_pose(pose_file, {scenario.machine.mcs_from_part.inverse(), measured.true_part_from_mcs});
     files.push_back({{"view", view.name},
                      {"file", file.string()},
+                     {"pose_file", pose_file.string()},
                      {"planned", measured.planned},
                      {"samples", measured.scan.samples.size()},
                      {"points", measured.scan.points.size()},
@@ -58,7 +62,10 @@ int scan(const ScanOptions& options, bool json) {
 
 void add_scan_command(CLI::App& app, CommandLine& line) {
   auto options = std::make_shared<ScanOptions>();
-  CLI::App* command = app.add_subcommand("scan", "Only measure: write the points of every view as PLY");
+  CLI::App* command =
+      app.add_subcommand("scan",
+                         "Only measure: write the points of every view as PLY, and beside them "
+                         "(.pose.yaml) where they lie by the set-up, for register --initial");
   command->add_option("scenario", options->scenario, "Scenario file (YAML)")->required()->type_name("FILE");
   command->add_option("--out", options->out, "Scan file (.ply); several views add _<view> to its name")
       ->required()

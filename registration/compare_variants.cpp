@@ -124,23 +124,46 @@ std::vector<VariantResult> compare_variants(const RegistrationTarget& target, co
   return results;
 }
 
+namespace {
+
+using Cells = std::vector<std::string>;
+
+Cells cells_of(const VariantResult& row) {
+  const RegistrationResult& r = row.result;
+  const double queries = std::max(1.0, static_cast<double>(r.work.queries));
+  const auto known = [](const std::optional<double>& value, double scale) {
+    return value ? fmt::format("{:.4g}", scale * *value) : std::string("-");
+  };
+  return {row.name,
+          fmt::format("{}", r.iterations),
+          to_string(r.termination),
+          fmt::format("{}", r.work.queries),
+          fmt::format("{:.1f}", static_cast<double>(r.work.facets_tested) / queries),
+          fmt::format("{:.1f} %", 100.0 * static_cast<double>(r.work.cache_hits) / queries),
+          fmt::format("{:.2f}", 1e3 * row.time_s),
+          fmt::format("{}", r.inliers),
+          fmt::format("{:.4f}", 1e3 * r.rms_mm),
+          known(row.centroid_error_mm, 1e3),
+          known(row.rotation_error_rad, 1e6)};
+}
+
+}  // namespace
+
 std::string variants_table(const std::vector<VariantResult>& results) {
-  std::string table =
-      "| variant | iterations | stopped by | closest points | facets per query | from cache | time ms | "
-      "inliers | "
-      "RMS um | centroid error um | rotation error mdeg |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
-  for (const VariantResult& row : results) {
-    const RegistrationResult& r = row.result;
-    const double queries = std::max(1.0, static_cast<double>(r.work.queries));
-    const auto known = [](const std::optional<double>& value, double scale) {
-      return value ? fmt::format("{:.4g}", scale * *value) : std::string("-");
-    };
-    table += fmt::format("| {} | {} | {} | {} | {:.1f} | {:.1f} % | {:.2f} | {} | {:.4f} | {} | {} |\n",
-                         row.name, r.iterations, to_string(r.termination), r.work.queries,
-                         static_cast<double>(r.work.facets_tested) / queries,
-                         100.0 * static_cast<double>(r.work.cache_hits) / queries, 1e3 * row.time_s,
-                         r.inliers, 1e3 * r.rms_mm, known(row.centroid_error_mm, 1e3),
-                         known(row.rotation_error_rad, 1e3 * 180.0 / 3.14159265358979323846));
+  std::vector<Cells> rows{{"variant", "iterations", "stopped by", "closest points", "facets per query",
+                           "from cache", "time ms", "inliers", "RMS um", "centroid error um",
+                           "rotation error urad"}};
+  for (const VariantResult& row : results) rows.push_back(cells_of(row));
+  std::vector<std::size_t> width(rows.front().size(), 0);
+  for (const Cells& cells : rows)
+    for (std::size_t k = 0; k < cells.size(); ++k) width[k] = std::max(width[k], cells[k].size());
+  std::string table;
+  for (const Cells& cells : rows) {
+    for (std::size_t k = 0; k < cells.size(); ++k) table += fmt::format("| {:<{}} ", cells[k], width[k]);
+    table += "|\n";
+    if (&cells != &rows.front()) continue;
+    for (const std::size_t w : width) table += "|" + std::string(w + 2, '-');
+    table += "|\n";
   }
   return table;
 }

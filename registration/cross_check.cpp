@@ -44,6 +44,45 @@ struct PairResidual {
   }
 };
 
+struct MotionBetweenCentroids {
+  Eigen::Quaterniond rotation;
+  Vec3 translation = Vec3::Zero();
+};
+
+Vec6 gradient_of(ceres::Problem& problem, MotionBetweenCentroids& at) {
+  ceres::Problem::EvaluateOptions order;
+  order.parameter_blocks = {at.rotation.coeffs().data(), at.translation.data()};
+  std::vector<double> gradient;  // in the tangent
+  problem.Evaluate(order, nullptr, nullptr, &gradient, nullptr);
+  return Eigen::Map<const Vec6>(gradient.data());
+}
+
+// A solver that compares costs stops where they differ by rounding, up to 1e-4 rad from the minimum of a
+// nearly degenerate problem. The gradient tells the rest: a few Newton steps, the Hessian by differences of
+// Ceres's gradient.
+void polish(ceres::Problem& problem, MotionBetweenCentroids& motion) {
+  constexpr int kSteps = 4;  // each squares the error
+  constexpr double kDifference = 1e-6;
+  const ceres::Manifold& manifold = *problem.GetManifold(motion.rotation.coeffs().data());
+  for (int k = 0; k < kSteps; ++k) {
+    const MotionBetweenCentroids here = motion;
+    const auto move = [&](const Vec6& step) {
+      manifold.Plus(here.rotation.coeffs().data(), step.data(), motion.rotation.coeffs().data());
+      motion.translation = here.translation + step.tail<3>();
+    };
+    Mat6 hessian;
+    for (int axis = 0; axis < 6; ++axis) {
+      move(kDifference * Vec6::Unit(axis));
+      hessian.col(axis) = gradient_of(problem, motion);
+      move(-kDifference * Vec6::Unit(axis));
+      hessian.col(axis) -= gradient_of(problem, motion);
+    }
+    hessian /= 2.0 * kDifference;
+    move(Vec6::Zero());
+    move(-hessian.ldlt().solve(gradient_of(problem, motion)));
+  }
+}
+
 Vec3 weighted_mean(std::span<const Vec3> points, std::span<const double> weights) {
   Vec3 sum = Vec3::Zero();
   double weight = 0.0;
@@ -127,21 +166,21 @@ RigidTransform absolute_orientation_by_ceres(std::span<const Vec3> measured_mm,
                                              std::span<const double> weights, const RigidTransform& start) {
   const Vec3 measured_mean = weighted_mean(measured_mm, weights);
   const Vec3 nominal_mean = weighted_mean(nominal_mm, weights);
-  Eigen::Quaterniond rotation = start.rotation;
-  Vec3 translation = Vec3::Zero();  // between the centroids
+  MotionBetweenCentroids motion{start.rotation};
   ceres::Problem problem;
   for (std::size_t i = 0; i < measured_mm.size(); ++i) {
     if (weights[i] == 0.0) continue;
     auto* residual = new ceres::AutoDiffCostFunction<PairResidual, 3, 4, 3>(new PairResidual{
         measured_mm[i] - measured_mean, nominal_mm[i] - nominal_mean, std::sqrt(weights[i])});
-    problem.AddResidualBlock(residual, nullptr, rotation.coeffs().data(), translation.data());
+    problem.AddResidualBlock(residual, nullptr, motion.rotation.coeffs().data(), motion.translation.data());
   }
-  problem.SetManifold(rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
+  problem.SetManifold(motion.rotation.coeffs().data(), new ceres::EigenQuaternionManifold);
   ceres::Solver::Summary summary;
   ceres::Solve(tight_options(), &problem, &summary);
+  polish(problem, motion);
   RigidTransform result;
-  result.rotation = rotation.normalized();
-  result.translation_mm = nominal_mean + translation - result.rotation * measured_mean;
+  result.rotation = motion.rotation.normalized();
+  result.translation_mm = nominal_mean + motion.translation - result.rotation * measured_mean;
   return result;
 }
 

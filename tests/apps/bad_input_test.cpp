@@ -71,6 +71,23 @@ void write_inputs(const ScratchFolder& folder) {
   folder.write("misspelt_options.yaml", "preset: default\nrejection:\n  rul: none\n");
   folder.write("contradiction.yaml", "step: {method: unit_quaternion}\nlock: {freedoms: [rotation_x]}\n");
   folder.write("unknown_surface.yaml", "surfaces: [7]\n");
+  folder.write("plate_only.yaml", "surfaces: [1]\n");
+  folder.write("two_surfaces.obj",
+               std::string(kCubeObj) + "g plate\nv 90 0 0\nv 91 0 0\nv 90 1 0\nf 9 10 11\n");
+  const auto with_snr = [](const char* snr) {
+    std::string text = "x,y,z,snr\n";
+    for (const char* point : {"1,2,10", "5,3,10", "2,8,10", "10,2,3", "10,6,7", "3,10,3", "8,10,2"})
+      text += std::string(point) + "," + snr + "\n";
+    return text;
+  };
+  folder.write("no_signal.csv", with_snr("0"));
+  folder.write("weak.csv", with_snr("0.5"));
+  folder.write("strong_only.yaml", "weights: {minimum_snr: 0.7}\n");
+  folder.write("snr_above_1.yaml", "preset: default\nweights: {minimum_snr: 1.5}\n");
+  folder.write("negative_sigma.yaml", "preset: default\ncovariance:\n  sigma_mm: -0.003\n");
+  folder.write("all_locked.yaml",
+               "lock: {freedoms: [rotation_x, rotation_y, rotation_z, translation_x, translation_y, "
+               "translation_z]}\n");
   folder.write("a_file", "in the way\n");
 
   folder.write("misspelt.yaml", scenario("{file: cube.obj, unti: cm}"));
@@ -232,6 +249,26 @@ INSTANTIATE_TEST_SUITE_P(
             "unknown surface",
             register_cube({"--scan", "good.xyz", "--scan-unit", "mm", "--options", "unknown_surface.yaml"}),
             {"surface", "7"}},
+        BadInput{"a selection that leaves nothing",
+                 {"register", "--part", "two_surfaces.obj", "--unit", "cm", "--scan", "good.xyz",
+                  "--scan-unit", "mm", "--out", "out", "--options", "plate_only.yaml"},
+                 {"surfaces", "fewer than three scan points"}},
+        BadInput{"no point has weight",
+                 register_cube({"--scan", "no_signal.csv", "--scan-unit", "mm"}),
+                 {"0 of 7 scan points have weight", "at least three"}},
+        BadInput{"the SNR filter leaves nothing",
+                 register_cube({"--scan", "weak.csv", "--scan-unit", "mm", "--options", "strong_only.yaml"}),
+                 {"weights.minimum_snr 0.7", "at least three"}},
+        BadInput{"SNR filter out of range",
+                 register_cube({"--scan", "weak.csv", "--scan-unit", "mm", "--options", "snr_above_1.yaml"}),
+                 {"snr_above_1.yaml:2", "weights.minimum_snr is 1.5", "within 0 to 1"}},
+        BadInput{
+            "negative sigma",
+            register_cube({"--scan", "weak.csv", "--scan-unit", "mm", "--options", "negative_sigma.yaml"}),
+            {"negative_sigma.yaml:3", "covariance.sigma_mm is -0.003", "above 0"}},
+        BadInput{"all freedoms locked",
+                 register_cube({"--scan", "good.xyz", "--scan-unit", "mm", "--options", "all_locked.yaml"}),
+                 {"all_locked.yaml:1", "locks all six"}},
         BadInput{"preset and options",
                  register_cube({"--scan", "good.xyz", "--scan-unit", "mm", "--preset", "default", "--options",
                                 "contradiction.yaml"}),

@@ -137,20 +137,47 @@ TEST(Register, AWrittenScanFindsThePoseOfTheInspection) {
   ASSERT_EQ(run_trueblade({"inspect", "cube.yaml", "--out", "run"}, folder.path()).exit_code, 0);
   ASSERT_EQ(run_trueblade({"scan", "cube.yaml", "--out", "scan.ply"}, folder.path()).exit_code, 0);
   EXPECT_EQ(text_of(folder / "scan_front.ply"), text_of(folder / "run/scan_front.ply"));
-  folder.write("initial.yaml", "part_from_mcs: {rotation_wxyz: [0.888074, 0.325058, 0, -0.325058]}\n");
   const ChildResult result =
       run_trueblade({"register", "--part", "cube.obj", "--unit", "cm", "--scan", "scan_front.ply",
-                     "--initial", "initial.yaml", "--json", "--out", "report"},
+                     "--initial", "scan_front.pose.yaml", "--json", "--out", "report"},
                     folder.path());
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json inspected = result_of(folder / "run")["views"][0],
              registered = Json::parse(result.out)["views"][0];
-  // The same points, part and options, and an initial pose that differs by the rounding of one inversion.
-  for (int k = 0; k < 3; ++k)
-    EXPECT_NEAR(registered["pose"]["translation_mm"][k].get<double>(),
-                inspected["pose"]["translation_mm"][k].get<double>(), 1e-6);
+  // The same points, part, options and initial pose, to the last bit.
+  EXPECT_EQ(registered["pose"].dump(), inspected["pose"].dump());
+  EXPECT_EQ(registered["truth"].dump(), inspected["truth"].dump());
   EXPECT_TRUE(std::filesystem::exists(folder / "report/result.json"));
   EXPECT_TRUE(std::filesystem::exists(folder / "report/deviations_scan.ply"));
+}
+
+// One row for every variant; the pose errors come from the true pose that the scan's pose file knows.
+TEST(Register, ComparesAllVariantsOnOneScan) {
+  const CubeFolder folder;
+  ASSERT_EQ(run_trueblade({"scan", "cube.yaml", "--out", "scan.ply"}, folder.path()).exit_code, 0);
+  std::vector<std::string> arguments{"register",       "--part",    "cube.obj",
+                                     "--unit",         "cm",        "--scan",
+                                     "scan_front.ply", "--initial", "scan_front.pose.yaml",
+                                     "--compare"};
+  const ChildResult table = run_trueblade(arguments, folder.path());
+  ASSERT_EQ(table.exit_code, 0) << table.err;
+  EXPECT_EQ(table.out.find("| variant"), 0u);
+  arguments.push_back("--json");
+  const Json rows = Json::parse(run_trueblade(arguments, folder.path()).out);
+  EXPECT_EQ(static_cast<std::size_t>(std::count(table.out.begin(), table.out.end(), '\n')), rows.size() + 2);
+  const auto row = [&](std::string_view name) {
+    return *std::find_if(rows.begin(), rows.end(), [&](const Json& r) { return r["variant"] == name; });
+  };
+  // As in Inspect.LeavesAWholeRunFolder: the centroid is held to 0.0002 mm; five times that.
+  for (const char* name : {"zhu2007", "zhu2007, Anderson", "zhu2007, rejection worst_fraction", "default"})
+    EXPECT_LT(row(name)["translation_error_mm"].get<double>(), 0.001) << name;
+  EXPECT_EQ(row("zhu2007, no cache")["cache_hits"], 0);
+  EXPECT_GT(row("zhu2007")["cache_hits"], 0);
+
+  const ChildResult both = run_trueblade(
+      {"register", "--part", "cube.obj", "--scan", "scan_front.ply", "--compare", "--preset", "zhu2007"},
+      folder.path());
+  EXPECT_EQ(both.exit_code, 2);
 }
 
 TEST(Part, FacetsAndMakesFilesThatItReadsBack) {

@@ -51,18 +51,9 @@ TEST(ClosedForm, ReturnsTheMotionOfExactPairs) {
   }
 }
 
-double cost(const Pairs& p, const RigidTransform& pose) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < p.measured.size(); ++i)
-    sum += p.weights[i] * (pose * p.measured[i] - p.nominal[i]).squaredNorm();
-  return sum;
-}
-
-// The optimum of a least-squares problem is unique where the points are not degenerate: the two closed forms
-// must find the same pose. Ceres, which compares costs, cannot see a turn that changes the cost by less than
-// its rounding (near-degenerate sets: up to 1e-4 rad), so it is held to the cost: it must not find a lower
-// one. A sum of eight squares of coordinates near 100 mm, whose rounding is 1e-14 mm: 1e-12 relative at
-// residuals of 0.001 mm.
+// The optimum of a least-squares problem is unique where the points are not degenerate: two closed forms and
+// an iteration that knows neither must find the same pose. Boxes, plane patches, needles of 40 mm by 1 mm by
+// 0.1 mm, whose turn about their axis hangs on their thickness, and cubes; residuals of 1 mm and of 1 um.
 TEST(ClosedForm, AgreesWithSvdAndCeresOnThousandsOfRandomProblems) {
   for (std::uint64_t trial = 0; trial < 2000; ++trial) {
     Rng rng(2, trial, "problems");
@@ -75,8 +66,8 @@ TEST(ClosedForm, AgreesWithSvdAndCeresOnThousandsOfRandomProblems) {
     const Vec3& probe = p.measured[0];
     EXPECT_LT(rotation_angle_between(q, s), 1e-10) << trial;
     EXPECT_LT((q * probe - s * probe).norm(), 1e-9) << trial;
-    EXPECT_LE(cost(p, q), cost(p, c) * (1.0 + 1e-9)) << trial;
-    EXPECT_LE(cost(p, c), cost(p, q) * (1.0 + 1e-6)) << trial;  // and it came there too
+    EXPECT_LT(rotation_angle_between(q, c), 1e-10) << trial;
+    EXPECT_LT((q * probe - c * probe).norm(), 1e-9) << trial;
   }
 }
 
@@ -93,6 +84,7 @@ TEST(ClosedForm, ReflectedPairsStillGiveAProperRotation) {
     EXPECT_NEAR(s.rotation.toRotationMatrix().determinant(), 1.0, 1e-12);
     EXPECT_LT(rotation_angle_between(q, s), 1e-10) << trial;
     EXPECT_LT(rotation_angle_between(q, c), 1e-10) << trial;
+    EXPECT_LT((q * p.measured[0] - c * p.measured[0]).norm(), 1e-9) << trial;
   }
 }
 
