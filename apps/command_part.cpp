@@ -66,10 +66,16 @@ int make(const MakeOptions& options) {
       else
         fields(io, formed);
     });
-  if (is_blade)
-    write_turbine_blade(blade, options.out);
-  else
-    write_formed_part(formed, options.out);
+  try {
+    if (is_blade)
+      write_turbine_blade(blade, options.out);
+    else
+      write_formed_part(formed, options.out);
+  } catch (const InputError& error) {
+    // Values that are each in range and yet make no part together: it is the file that must change.
+    if (options.parameters.empty() || std::string(error.what()).find(options.out.string()) == 0) throw;
+    throw file_error(options.parameters.string(), error.what());
+  }
   fmt::print("{}: {} surfaces -> {}\n", options.kind, is_blade ? surface_count(blade) : surface_count(formed),
              options.out.string());
   return ExitCode::done;

@@ -28,6 +28,7 @@
 #include "geometry/error.h"
 #include "part/cad_envelope.h"
 #include "part/cad_guard.h"
+#include "part/cad_process.h"
 #include "part/cad_shape.h"
 #include "part/input_file.h"
 #include "part/loop_side.h"
@@ -137,39 +138,43 @@ void require_faces(const CadShape& cad, const std::filesystem::path& file) {
   if (cad.faces.empty()) throw file_error(file.string(), "holds no solid and no surface");
 }
 
+CadShape read_guarded(const std::filesystem::path& file, const std::function<CadShape()>& read) {
+  CadShape cad;
+  with_cad_kernel(file, "read", [&] { cad = read_in_own_process(file, read); });
+  return cad;
+}
+
 }  // namespace
 
 CadShape read_step_shape(const std::filesystem::path& file, double sewing_tolerance_mm) {
   const std::string bytes = read_file_bytes(file);
   check_step_envelope(file, bytes);
-  CadShape cad;
-  with_cad_kernel(file, "read", [&] {
+  return read_guarded(file, [&] {
     STEPControl_Reader reader;
     std::istringstream stream(bytes);
     if (reader.ReadStream(file.filename().c_str(), stream) != IFSelect_RetDone)
       throw file_error(file.string(), "is not a STEP file that can be understood");
-    cad = transferred(reader);
+    CadShape cad = transferred(reader);
     require_faces(cad, file);
     if (has_loose_faces(cad.shape)) sew(cad, sewing_tolerance_mm);
     require_faces(cad, file);
+    return cad;
   });
-  return cad;
 }
 
 CadShape read_iges_shape(const std::filesystem::path& file, double sewing_tolerance_mm) {
   check_iges_envelope(file, read_file_bytes(file));
-  CadShape cad;
-  with_cad_kernel(file, "read", [&] {
+  return read_guarded(file, [&] {
     IGESControl_Reader reader;
     if (reader.ReadFile(file.c_str()) != IFSelect_RetDone)
       throw file_error(file.string(), "is not an IGES file that can be understood");
-    cad = transferred(reader);
+    CadShape cad = transferred(reader);
     require_faces(cad, file);
     choose_loop_sides(cad.faces, sewing_tolerance_mm);
     sew(cad, sewing_tolerance_mm);
     require_faces(cad, file);
+    return cad;
   });
-  return cad;
 }
 
 }  // namespace trueblade

@@ -28,6 +28,16 @@ DATA;
 ENDSEC;
 )";
 
+// A plane through a placement that the file does not hold, used by a face of an open shell.
+std::string damaged_step() {
+  return std::string(
+      "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\n"
+      "FILE_NAME('','',(''),(''),'','','');\nFILE_SCHEMA(('CONFIG_CONTROL_DESIGN'));\nENDSEC;\nDATA;\n"
+      "#1=PLANE('',#99);\n#2=ADVANCED_FACE('',(#98),#1,.T.);\n#3=OPEN_SHELL('',(#2));\n"
+      "#4=SHELL_BASED_SURFACE_MODEL('',(#3));\n#5=MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',(#4),#97);\n"
+      "ENDSEC;\nEND-ISO-10303-21;\n");
+}
+
 std::string scenario(const std::string& part, const std::string& rest = "") {
   return "part: " + part + "\nscan: {views: [{name: front}], spacing_mm: 0.5}\n" + rest;
 }
@@ -51,6 +61,8 @@ void write_inputs(const ScratchFolder& folder) {
   folder.write("nan.obj", "v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n");
   folder.write("inf.obj", "v 0 0 0\nv 1 0 0\nv 0 1e999 0\nf 1 2 3\n");
   folder.write("no_facets.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+  // References that lead nowhere, which OpenCASCADE follows into a memory fault.
+  folder.write("damaged.step", damaged_step());
   folder.write("degenerate.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
   folder.write("huge_count.ply",
                "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n"
@@ -179,6 +191,8 @@ INSTANTIATE_TEST_SUITE_P(
             "HTML as PLY", {"part", "info", "wrong.ply", "--unit", "mm"}, {"wrong.ply:1", "not a PLY file"}},
         BadInput{"HTML as OBJ", {"part", "info", "wrong.obj", "--unit", "mm"}, {"wrong.obj"}},
         BadInput{"STEP without a surface", {"part", "info", "nothing.step"}, {"nothing.step"}},
+        BadInput{
+            "STEP with references that lead nowhere", {"part", "info", "damaged.step"}, {"damaged.step"}},
         BadInput{"NaN coordinate", {"part", "info", "nan.obj", "--unit", "mm"}, {"nan.obj:2", "finite"}},
         BadInput{
             "infinite coordinate", {"part", "info", "inf.obj", "--unit", "mm"}, {"inf.obj:3", "coordinate"}},
