@@ -151,19 +151,22 @@ void LinuxCncMachine::home() {
       fail_with_reason("the machine is not switched on");
     std::this_thread::sleep_for(std::chrono::duration<double>(kStatusIntervalS));
   }
-  if (!is_homed()) {
-    set_mode("manual");
-    require_set("home -1");
-    state_ = MachineState::moving;
+  try {
+    if (!is_homed()) {
+      set_mode("manual");
+      state_ = MachineState::moving;
+      require_set("home -1");
+    }
     while (!is_homed()) {
       if (stop_asked_) throw MachineFault(Kind::interrupted, "stopped while homing");
       if (commands_->get("machine").text != "ON") fail_with_reason("the machine went off while homing");
-      if (seconds_since(start) > settings_.home_timeout_s) {
-        end_motion();
+      if (seconds_since(start) > settings_.home_timeout_s)
         fail_with_reason(fmt::format("not homed within {} s", settings_.home_timeout_s));
-      }
       std::this_thread::sleep_for(std::chrono::duration<double>(kStatusIntervalS));
     }
+  } catch (...) {
+    end_motion();
+    throw;
   }
   state_ = MachineState::idle;
 }
@@ -327,9 +330,10 @@ std::size_t LinuxCncMachine::scan_line(std::span<const AxisPositions> path, cons
     const double off_mm = distance_between(axis_positions(latched), path[position]);
     if (off_mm > kFarthestSampleMm)
       throw MachineFault(
-          Kind::following_error,
+          Kind::sensor,
           fmt::format(
-              "the sample for position {} of the line was taken {:.3f} mm from it, must be within {} mm",
+              "the nearest reading to position {} of the line was taken {:.3f} mm from it, must be within "
+              "{} mm: the sensor gave none there",
               position + 1, off_mm, kFarthestSampleMm));
     ++delivered;
     return sink(probe_sample(latched, period_s));

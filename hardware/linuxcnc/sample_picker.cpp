@@ -31,24 +31,31 @@ bool SamplePicker::take(const LatchedSample& sample, const Pick& pick) {
   }
   // A sensor that has nothing new to say has not measured this position.
   if (last_ && sample.reading == last_->reading) return true;
-  // Below the first point's line (also 0: no motion) the machine stands, at the start or at the end.
-  std::size_t position = next_;
-  if (sample.program_line >= kFirstPointLine)
-    position = static_cast<std::size_t>(sample.program_line - kFirstPointLine);
-  if (position < next_ || position >= path_.size())
+  const auto distance_to_next = [&] { return distance_between(axis_positions(sample), path_[next_]); };
+  const bool moves = sample.program_line >= kFirstPointLine;  // 0: stands at the start or at the end
+  const bool backwards = moves && last_ && sample.program_line < last_->program_line;
+  const std::size_t heading = moves ? static_cast<std::size_t>(sample.program_line - kFirstPointLine) : next_;
+  if (backwards || heading >= path_.size())
     throw MachineFault(
         MachineFault::Kind::protocol,
         fmt::format("the controller is at line {} of its program, expected lines {} to {}",
                     sample.program_line, next_ + kFirstPointLine, path_.size() + kFirstPointLine - 1));
   begun_ = true;
-  const bool go_on = pick_up_to(position, pick);
-  const double distance = distance_between(axis_positions(sample), path_[position]);
+  last_ = sample;
+  // The controller heads for the next position from the middle of a blended corner on, and ahead of the
+  // encoders: a position is behind when the controller heads for the next one and the distance grows, or for
+  // the one after that.
+  while (next_ < heading) {
+    const bool is_behind = next_ + 1 < heading || (best_ && distance_to_next() > best_distance_);
+    if (!is_behind) break;
+    if (!pick_up_to(next_ + 1, pick)) return false;
+  }
+  const double distance = distance_to_next();
   if (!best_ || distance < best_distance_) {
     best_ = sample;
     best_distance_ = distance;
   }
-  last_ = sample;
-  return go_on;
+  return true;
 }
 
 }  // namespace trueblade

@@ -1,6 +1,6 @@
-// Out of the samples of every servo period, the one for each planned position: the nearest among those taken
-// while the controller was at that position's line of the program. Its position is the latched one, so that
-// "nearest" costs no accuracy: it only decides where on the surface the point lies.
+// Out of the samples of every servo period, the one for each planned position: the nearest taken while the
+// controller was at that position's line of the program or at the next. Its position is the latched one, so
+// that "nearest" costs no accuracy: it only decides where on the surface the point lies.
 #pragma once
 
 #include <cstdint>
