@@ -9,7 +9,6 @@
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "apps/machine_fields.h"
-#include "apps/yaml_reader.h"
 #include "geometry/atomic_file.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 
@@ -27,26 +26,15 @@ struct MachineOptions {
   std::string out;       // record
 };
 
-// A machine file is the machine block of a scenario, or a whole scenario.
-MachineSpec read_machine(const std::string& file) {
-  MachineSpec machine;
-  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-  read_yaml(file, [&](YamlFields& io) {
-    io.require("machine");
-    io.map("machine", [&](YamlFields& inner) { fields(inner, machine, folder); });
-    // The rest of a scenario is not looked at.
-    for (const char* key :
-         {"name", "description", "seed", "part", "scan", "registration", "inspection", "expect"})
-      io.present(key);
-  });
+MachineSpec real_machine(const std::string& file) {
+  MachineSpec machine = read_machine(file);
   if (machine.backend != "linuxcnc")
-    throw InputError(
-        fmt::format("{}: machine.backend is {}, must be linuxcnc for this command", file, machine.backend));
+    throw file_error(file, fmt::format("backend is {}, must be linuxcnc for this command", machine.backend));
   return machine;
 }
 
 struct Session {
-  explicit Session(const MachineOptions& options) : spec(read_machine(options.file)) {
+  explicit Session(const MachineOptions& options) : spec(real_machine(options.file)) {
     if (options.reset_estop) spec.linuxcnc.reset_estop = true;
     machine.emplace(spec.linuxcnc, spec.limits, spec.dynamics);
     machine->connect();
@@ -132,7 +120,7 @@ int measure(const MachineOptions& options, bool json) {
 
 // Every servo period as it comes, whatever moves: the encoders and the sensor as they are.
 int record(const MachineOptions& options) {
-  const MachineSpec spec = read_machine(options.file);
+  const MachineSpec spec = real_machine(options.file);
   const RshAccess& access = spec.linuxcnc.commands;
   SampleStream samples(access.host, spec.linuxcnc.sample_port, access.timeout_s);
   const double period_s = samples.greeting().servo_period_s;
@@ -176,7 +164,7 @@ Examples:
   trueblade machine jog    --machine site.yaml --axis x --by 5
   trueblade machine record --machine site.yaml --seconds 10 --out samples.csv
 
-The machine file is a scenario, or a file with the machine block alone. Bring-up step by step: docs/linuxcnc.md)");
+The machine file holds the keys of a scenario's machine block. Bring-up step by step: docs/linuxcnc.md)");
   auto options = std::make_shared<MachineOptions>();
   const auto add = [&](const char* name, const char* help, std::function<int()> work) {
     CLI::App* command = machine->add_subcommand(name, help);
