@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/command.h"
+#include "apps/command_machine.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "apps/nearest_word.h"
@@ -106,6 +107,7 @@ int parse_and_run(const std::vector<std::string>& arguments) {
   add_study_command(app, line);
   add_report_command(app, line);
   add_compare_command(app, line);
+  add_machine_command(app, line);
 
   if (const auto unknown = unknown_command(app, arguments)) throw InputError(*unknown);
   try {

@@ -181,12 +181,6 @@ std::string count_reasons(const std::array<std::size_t, kPointAccessCount>& cell
 
 }  // namespace
 
-std::size_t ScanPlan::point_count() const {
-  std::size_t count = 0;
-  for (const PlannedLine& line : lines) count += line.path.size();
-  return count;
-}
-
 void PlanOptions::validate(const Part& part) const {
   if (!(spacing_mm > 0.0 && std::isfinite(spacing_mm)))
     throw InputError(fmt::format("view {}: spacing_mm is {}, must be above 0", view, spacing_mm));

@@ -100,7 +100,7 @@ void fields(YamlFields& io, StudySpec& study) {
   io.texts("quantities", study.quantities);
   io.integers("surfaces", study.surfaces);
   io.list<ProfileQuantity>("profiles", study.profiles,
-                       [](YamlFields& inner, ProfileQuantity& item) { fields(inner, item); });
+                           [](YamlFields& inner, ProfileQuantity& item) { fields(inner, item); });
   io.check([&] { check_study(study); });
 }
 

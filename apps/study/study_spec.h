@@ -60,10 +60,10 @@ struct StudySpec {
   std::vector<CaseSpec> cases;   // empty: the scenario as it is
   std::vector<SweepSpec> sweep;  // every case with every combination of values
   std::vector<BudgetMethod> budget;
-  std::string headline;                 // quantity of the running estimate, the budget and the plots
-  std::vector<std::string> quantities;  // to keep, with or without their view; empty: all
-  std::vector<std::uint32_t> surfaces;  // CAD surfaces whose deviation error is kept by itself
-  std::vector<ProfileQuantity> profiles;    // profile of a surface, each over its surfaces
+  std::string headline;                   // quantity of the running estimate, the budget and the plots
+  std::vector<std::string> quantities;    // to keep, with or without their view; empty: all
+  std::vector<std::uint32_t> surfaces;    // CAD surfaces whose deviation error is kept by itself
+  std::vector<ProfileQuantity> profiles;  // profile of a surface, each over its surfaces
 };
 
 // Throws InputError naming file and line. Paths in the file are relative to its folder.
