@@ -114,7 +114,7 @@ TEST_F(Profile, StatisticsPerSurface) {
   Deviations d = with_deviations({0.1, 0.3, -0.2, 7.0});
   d.surface = {0, 0, 2, 2};
   d.outliers.is_outlier[3] = true;
-  const auto surfaces = statistics_by_surface(part, d);
+  const auto surfaces = statistics_by_surface(part, d, std::nullopt);
   ASSERT_EQ(surfaces.size(), 2U);
   EXPECT_EQ(surfaces[0].name, "surface_0");
   EXPECT_NEAR(surfaces[0].statistics.mean_mm, 0.2, 1e-15);
