@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 void check_schema(const Json& result, const std::string& file) {
-  if (!result.is_object() || result.value("schema", "") != "trueblade-result" ||
+  if (!result.is_object() || !result.contains("schema") || result["schema"] != "trueblade-result" ||
       !result.contains("schema_version") || !result["schema_version"].is_number_integer())
     throw InputError(fmt::format("{}: is no result of trueblade", file));
   const int version = result["schema_version"].get<int>();

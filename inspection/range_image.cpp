@@ -60,7 +60,9 @@ RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
   add("snr", kNone, [&](std::size_t i) { return sample(i).snr; });
   const Vec3 against_beam = -(part_from_mcs.rotation * beam_mcs);
   add("incidence", kNone, [&](std::size_t i) {
-    return std::acos(std::clamp(deviations.normal[i].dot(against_beam), -1.0, 1.0));
+    // A point at an edge may lie nearest to the face behind it: as everywhere, its incidence is that of the
+    // facet's plane.
+    return std::acos(std::min(std::abs(deviations.normal[i].dot(against_beam)), 1.0));
   });
   add("deviation", kNone, [&](std::size_t i) { return deviations.signed_mm[i]; });
   if (!true_deviation_mm.empty())

@@ -178,7 +178,9 @@ TEST(Register, AWrittenScanFindsThePoseOfTheInspection) {
              registered = Json::parse(result.out)["views"][0];
   // The same points, part, options and initial pose, to the last bit.
   EXPECT_EQ(registered["pose"].dump(), inspected["pose"].dump());
-  EXPECT_EQ(registered["truth"].dump(), inspected["truth"].dump());
+  // The form of the part is known to the inspection alone.
+  for (const char* key : {"pose", "translation_error_mm", "rotation_error_rad"})
+    EXPECT_EQ(registered["truth"][key].dump(), inspected["truth"][key].dump()) << key;
   EXPECT_TRUE(std::filesystem::exists(folder / "report/result.json"));
   EXPECT_TRUE(std::filesystem::exists(folder / "report/deviations_scan.ply"));
 }
