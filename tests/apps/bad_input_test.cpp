@@ -165,6 +165,18 @@ TEST_P(BadInputTest, EndsWithExitCode2AndAMessage) {
     EXPECT_EQ(entry.path().string().find("tmp."), std::string::npos) << entry.path();
 }
 
+// A view that gave nothing to register: its reason is told, and the rest of the report is still made.
+TEST(BadInput, AViewThatCannotBeRegisteredSaysWhy) {
+  const ScratchFolder folder;
+  write_inputs(folder);
+  for (const auto& [file, words] :
+       {std::pair{"part_elsewhere.yaml", "none of"}, std::pair{"too_few_points.yaml", "three"}}) {
+    const ChildResult result = run_trueblade(inspect(file), folder.path());
+    EXPECT_EQ(result.exit_code, 2) << file << result.err;
+    EXPECT_NE(result.err.find(words), std::string::npos) << file << result.err;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Part, BadInputTest,
     testing::Values(

@@ -99,8 +99,7 @@ TEST(MeasureSection, AScaledSectionScalesItsLengths) {
   EXPECT_NEAR(value(section, "chord"), 30.0 * scale, 1e-3);
   EXPECT_NEAR(value(section, "maximum_thickness"), 4.0 * scale, 1e-3);
   const SectionFeature& radius = *section.find("leading_edge_radius");
-  // The edge moves 30 um along a normal that turns within the 0.27 mm of its radius: second order, 3.3 um /
-  // 0.27 mm is 1.2 %, twice for both flanks.
+  // Observed 2.3 % where 0.2 % is true: not explained yet. This holds it from growing, no more.
   EXPECT_NEAR(radius.measured / radius.nominal, scale, 0.025);
   EXPECT_NEAR(value(section, "twist"), 0.0, 1e-6);
   EXPECT_NEAR(value(section, "displacement_x"), 0.0, 1e-4);
@@ -117,7 +116,8 @@ TEST(MeasureSection, ATurnedAndShiftedSectionIsToldFromItsShape) {
   EXPECT_NEAR(value(section, "twist"), twist, 1e-5);
   EXPECT_NEAR(value(section, "displacement_x"), shift.x(), 1e-3);
   EXPECT_NEAR(value(section, "displacement_y"), shift.y(), 1e-3);
-  // From the two edges: (36 um)^2 / 0.27 mm is 4.8 um, over the chord of 30 mm 1.6e-4.
+  // Observed 1.3e-4 off; second order in the shift at the edges, (36 um)^2 / 0.27 mm / 30 mm, would
+  // be 1.6e-4.
   EXPECT_NEAR(value(section, "stagger"), twist, 1.6e-4);
   EXPECT_NEAR(value(section, "chord"), 30.0, 1e-3);
   EXPECT_NEAR(value(section, "maximum_thickness"), 4.0, 1e-3);
