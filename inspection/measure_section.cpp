@@ -20,9 +20,12 @@ constexpr std::size_t kFewestEdgePoints = 6;  // twice the numbers of a circle
 constexpr double kLeastShare = 0.6;
 constexpr std::uint64_t kDraws = 40;  // standard deviations to 1 / sqrt(80) = 11 %
 
-// A normal that differs by its own length (57 degrees) is as far away as this: around an edge of a few tenths
-// of a millimetre the normal tells the place, along the sides the position does.
-constexpr double kNormalLength_mm = 1.0;
+// How much a difference in the normals weighs against one in position: a radian is as far as this. A point
+// half a width away from the plane slides by tenths of a millimetre to the side where the edge leans; around
+// an edge of that radius only the normal tells the place, and a shift of 0.3 mm may turn it by 0.3 * radius /
+// 5^2, a tenth of a degree. Along the sides, where the normal turns by a degree or two per mm, the position
+// still decides.
+constexpr double kNormalLength_mm = 5.0;
 
 std::size_t corresponding_outline_point(const SectionOutline& outline, const Vec2& foot, const Vec2& normal) {
   std::size_t nearest = 0;
@@ -61,8 +64,8 @@ struct OutlineFeatures {
   Chord chord;
   InscribedCircle circle;
 };
-OutlineFeatures features_of(const SectionOutline& outline) {
-  return {maximum_chord(outline), largest_inscribed_circle(outline)};
+OutlineFeatures features_of(const SectionOutline& outline, std::size_t touch = 0) {
+  return {maximum_chord(outline), largest_inscribed_circle(outline, touch)};
 }
 
 class Spread {
@@ -84,6 +87,13 @@ SectionFeature feature(const char* name, const char* unit, const char* method, d
   return f;
 }
 
+bool supports_ends(const SectionCurve& curve, const Chord& chord) {
+  return curve.is_supported(chord.leading) && curve.is_supported(chord.trailing);
+}
+bool supports_sides(const SectionCurve& curve, const InscribedCircle& circle) {
+  return curve.is_supported(circle.first) && curve.is_supported(circle.second);
+}
+
 void add_outline_features(const SectionOutline& outline, const SectionCurve& curve, SectionResult& result) {
   const OutlineFeatures nominal = features_of(outline);
   SectionFeature chord =
@@ -92,15 +102,15 @@ void add_outline_features(const SectionOutline& outline, const SectionCurve& cur
                                    nominal.chord.stagger_rad);
   SectionFeature thickness = feature("maximum_thickness", "mm", "diameter of the largest inscribed circle",
                                      nominal.circle.diameter_mm);
-  const bool ends = curve.is_supported(nominal.chord.leading) && curve.is_supported(nominal.chord.trailing);
-  const bool sides = curve.is_supported(nominal.circle.first) && curve.is_supported(nominal.circle.second);
+  const OutlineFeatures measured = features_of(curve.measured_outline(), nominal.circle.first);
+  // A chord that ends where nothing was measured would be the curve's own invention.
+  const bool ends = supports_ends(curve, nominal.chord) && supports_ends(curve, measured.chord);
+  const bool sides = supports_sides(curve, nominal.circle) && supports_sides(curve, measured.circle);
   if (!ends) chord.reason = stagger.reason = "too few points at the leading or the trailing edge";
   if (!sides) thickness.reason = "too few points where the inscribed circle touches";
-
-  const OutlineFeatures measured = features_of(curve.measured_outline());
   Spread chord_spread, stagger_spread, thickness_spread;
   for (std::uint64_t draw = 1; draw <= kDraws && (ends || sides); ++draw) {
-    const OutlineFeatures drawn = features_of(curve.measured_outline(draw));
+    const OutlineFeatures drawn = features_of(curve.measured_outline(draw), measured.circle.first);
     chord_spread.add(drawn.chord.length_mm - measured.chord.length_mm);
     stagger_spread.add(drawn.chord.stagger_rad - measured.chord.stagger_rad);
     thickness_spread.add(drawn.circle.diameter_mm - measured.circle.diameter_mm);

@@ -58,9 +58,10 @@ Chord maximum_chord(const SectionOutline& outline) {
   return chord;
 }
 
-InscribedCircle largest_inscribed_circle(const SectionOutline& outline) {
+InscribedCircle largest_inscribed_circle(const SectionOutline& outline, std::size_t start) {
   InscribedCircle largest{Vec2::Zero(), 0.0, 0, 0};
-  for (std::size_t touch = 0; touch < outline.size(); ++touch) {
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    const std::size_t touch = (start + k) % outline.size();
     double radius = std::numeric_limits<double>::infinity();
     std::size_t opposite = touch;
     for (std::size_t other = 0; other < outline.size(); ++other) {

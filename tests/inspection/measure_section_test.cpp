@@ -21,10 +21,10 @@ Vec3 on_ellipse(double t, double z) {
   return {kHalfChord * std::cos(t), kHalfThickness * std::sin(t), z};
 }
 
-// |z| <= 5, 2000 facets around: at the edges 6 um apart on a radius of 0.27 mm, sagitta 0.02 um.
+// |z| <= 5, 800 facets around: at the edges 16 um apart on a radius of 0.27 mm, sagitta 0.12 um.
 const Part& elliptic_cylinder() {
   static const Part part = [] {
-    constexpr std::uint32_t n = 2000;
+    constexpr std::uint32_t n = 800;
     FacetSoup soup;
     for (const double z : {-5.0, 5.0})
       for (std::uint32_t i = 0; i < n; ++i)
@@ -49,15 +49,15 @@ const Part& elliptic_cylinder() {
 
 using Deformation = std::function<Vec3(const Vec3&)>;
 
-// Rows of points 0.3 mm apart, 1500 around in each; `keep` chooses by the angle of the ellipse.
+// Rows of points 0.3 mm apart, 700 around in each; `keep` chooses by the angle of the ellipse.
 Deviations measured(
     const Deformation& deformed, double noise_mm = 0.0,
     const std::function<bool(double)>& keep = [](double) { return true; }) {
   ScanPoints scan;
   Rng random(7, 0, "section test");
   for (int row = -3; row <= 3; ++row)
-    for (int i = 0; i < 1500; ++i) {
-      const double t = 2.0 * std::numbers::pi * (i + 0.1 * row) / 1500.0;
+    for (int i = 0; i < 700; ++i) {
+      const double t = 2.0 * std::numbers::pi * (i + 0.1 * row) / 700.0;
       if (!keep(t)) continue;
       const Vec3 p = on_ellipse(t, 0.3 * row);
       const Vec3 normal =
@@ -84,7 +84,7 @@ TEST(MeasureSection, NominalFeaturesAreTheEllipses) {
   EXPECT_NEAR(section.find("maximum_thickness")->nominal, 4.0, 1e-4);
   EXPECT_NEAR(section.find("stagger")->nominal, 0.0, 1e-5);
   for (const SectionFeature& feature : section.features) {
-    EXPECT_NEAR(feature.deviation(), 0.0, 1e-4) << feature.name;
+    EXPECT_NEAR(feature.deviation(), 0.0, 2e-4) << feature.name;
     EXPECT_NE(feature.method, "") << feature.name;
   }
   EXPECT_GT(section.covered_percent, 99.0);
@@ -101,7 +101,8 @@ TEST(MeasureSection, AScaledSectionScalesItsLengths) {
   const SectionFeature& radius = *section.find("leading_edge_radius");
   // Observed 2.3 % where 0.2 % is true: not explained yet. This holds it from growing, no more.
   EXPECT_NEAR(radius.measured / radius.nominal, scale, 0.025);
-  EXPECT_NEAR(value(section, "twist"), 0.0, 1e-6);
+  // The rows of points are shifted by a tenth of their spacing: not quite symmetric.
+  EXPECT_NEAR(value(section, "twist"), 0.0, 3e-6);
   EXPECT_NEAR(value(section, "displacement_x"), 0.0, 1e-4);
 }
 
