@@ -235,17 +235,19 @@ void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(
   auto last_reading = start;
   std::optional<std::uint32_t> reading;
   bool seen_running = false;
+  // Every sample passes here, also those that arrive after the program has ended.
+  const auto see = [&](const LatchedSample& sample) {
+    if (!sample.motion_enabled) fail_with_reason("the controller has switched the axes off");
+    if (reading != sample.reading) last_reading = Clock::now();
+    reading = sample.reading;
+    return use(sample);
+  };
   for (;;) {
     if (stop_asked_) throw MachineFault(Kind::interrupted, "the machine was stopped");
     const auto sample = samples_->next(kStatusIntervalS);
-    if (sample) {
-      if (!sample->motion_enabled) fail_with_reason("the controller has switched the axes off");
-      if (reading != sample->reading) last_reading = Clock::now();
-      reading = sample->reading;
-      if (!use(*sample)) {
-        end_motion();
-        throw MachineFault(Kind::interrupted, "the scan was broken off");
-      }
+    if (sample && !see(*sample)) {
+      end_motion();
+      throw MachineFault(Kind::interrupted, "the scan was broken off");
     }
     if (!done() && seconds_since(last_reading) > settings_.sensor_timeout_s)
       throw MachineFault(Kind::sensor, fmt::format("the sensor is silent: no new reading for {} s",
@@ -261,7 +263,7 @@ void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(
       // Samples under way may still say that it came to its end.
       const auto idle_since = Clock::now();
       while (!done() && seconds_since(idle_since) < settings_.sensor_timeout_s)
-        if (const auto late = samples_->next(kStatusIntervalS); late && !use(*late)) break;
+        if (const auto late = samples_->next(kStatusIntervalS); late && !see(*late)) break;
       if (!done()) fail_with_reason("the controller did not carry the program out to its end");
       return;
     }

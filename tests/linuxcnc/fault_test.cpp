@@ -320,6 +320,38 @@ TEST(LinuxCncFault, ASilentSensor) {
   EXPECT_EQ(outcome.state, MachineState::stopped);
 }
 
+TEST(LinuxCncFault, EmergencyStopFollowingErrorAndLimitCarryTheControllersWords) {
+  struct Case {
+    void (*set)(Misbehaviour&);
+    Kind kind;
+    const char* words;
+  };
+  for (const Case& c :
+       {Case{[](Misbehaviour& m) { m.in_estop = true; }, Kind::emergency_stop, "e-stop"},
+        Case{[](Misbehaviour& m) {
+               m.error_words = "joint 1 following error";
+               m.joint_fault = true;
+             },
+             Kind::following_error, "joint 1 following error"},
+        Case{[](Misbehaviour& m) { m.error_words = "Linear move on line 7 would exceed X's positive limit"; },
+             Kind::limit, "would exceed X's positive limit"}}) {
+    Misbehaviour misbehaviour;
+    c.set(misbehaviour);
+    if (!misbehaviour.in_estop)  // the axes go off in the middle of a line
+      misbehaviour.samples = [](std::size_t n, const LatchedSample& sample) -> std::optional<std::string> {
+        LatchedSample off = sample;
+        if (sample.first_point >= 0.0 && n > 12) off.motion_enabled = false;
+        return frame_bytes(StreamFrame::Type::sample, sample_payload(off));
+      };
+    SCOPED_TRACE(c.words);
+    const Outcome outcome = fault_then_resume(misbehaviour);
+    ASSERT_TRUE(outcome.kind);
+    EXPECT_EQ(*outcome.kind, c.kind) << outcome.words;
+    EXPECT_NE(outcome.words.find(c.words), std::string::npos) << outcome.words;
+    EXPECT_EQ(outcome.state, MachineState::stopped);
+  }
+}
+
 TEST(LinuxCncFault, ALineWithoutAnyReadingInRangeIsNoFault) {
   Misbehaviour misbehaviour;
   misbehaviour.samples = [](std::size_t, const LatchedSample& sample) -> std::optional<std::string> {
