@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "inspection/evaluation_json.h"
 #include "inspection/range_image_exr.h"
 
 namespace trueblade {
@@ -29,8 +30,6 @@ ChannelFacts facts_of(const RangeChannel& channel) {
 }
 
 nlohmann::ordered_json image_json(const RangeImage& image) {
-  const Eigen::Quaterniond& q = image.part_from_mcs.rotation;
-  const Vec3& t = image.part_from_mcs.translation_mm;
   nlohmann::ordered_json channels = nlohmann::ordered_json::array();
   for (const RangeChannel& channel : image.channels) {
     const ChannelFacts facts = facts_of(channel);
@@ -45,8 +44,7 @@ nlohmann::ordered_json image_json(const RangeImage& image) {
           {"scenario", image.scenario},
           {"seed", image.seed},
           {"program", image.program_version},
-          {"part_from_mcs",
-           {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"translation_mm", {t.x(), t.y(), t.z()}}}},
+          {"part_from_mcs", pose_json(image.part_from_mcs)},
           {"channels", channels}};
 }
 

@@ -94,15 +94,10 @@ nlohmann::ordered_json plan_json(const Planned& planned, const Part& part) {
 }
 
 std::vector<Viewpoint> viewpoints(const Scenario& scenario, const std::vector<ViewSpec>& views) {
-  const MachineGeometry& geometry = scenario.machine.geometry;
   std::vector<Viewpoint> result;
-  for (const ViewSpec& view : views) {
-    AxisPositions at_view;
-    at_view.theta_rad = view.theta_rad;
-    result.push_back(viewpoint_as_probe(view.name, beam_in_mcs(geometry, at_view).direction,
-                                        geometry.rotary_axis_direction,
-                                        scenario.machine.mcs_from_part.inverse()));
-  }
+  for (const ViewSpec& view : views)
+    result.push_back(viewpoint_of_view(view.name, scenario.machine.geometry, view.theta_rad,
+                                       scenario.machine.mcs_from_part.inverse()));
   return result;
 }
 

@@ -166,17 +166,14 @@ void write_view(const Folder& folder, const Scenario& scenario, const PartOnMach
   const Deviations& deviations = view.evaluated.deviations;
   const RigidTransform& part_from_mcs = result.registration.part_from_mcs;
   const MachineGeometry& geometry = scenario.machine.geometry;
-  AxisPositions at_view;
-  at_view.theta_rad = result.theta_rad;
-  const Vec3 beam_mcs = beam_in_mcs(geometry, at_view).direction;
+  const Vec3 beam_mcs = beam_in_mcs(geometry, {.theta_rad = result.theta_rad}).direction;
   write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run);
   write_range_image_exr(
       folder / fmt::format("{}.exr", result.view),
       range_image_of(view.measured.scan, deviations, part_from_mcs, run, beam_mcs,
                      view.measured.truth ? view.measured.truth->deviation_mm : std::vector<double>()));
 
-  const Viewpoint viewpoint =
-      viewpoint_as_probe(result.view, beam_mcs, geometry.rotary_axis_direction, part_from_mcs);
+  const Viewpoint viewpoint = viewpoint_of_view(result.view, geometry, result.theta_rad, part_from_mcs);
   PictureOptions picture;
   picture.tolerance = run.tolerance;
   render_deviation_png(folder / fmt::format("{}.png", result.view), *nominal.part, *nominal.caster,

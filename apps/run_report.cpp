@@ -34,11 +34,8 @@ RigidTransform pose_of(const Json& pose) {
 }
 
 Viewpoint viewpoint_of(const Scenario& scenario, const Json& view) {
-  const MachineGeometry& geometry = scenario.machine.geometry;
-  AxisPositions axes;
-  axes.theta_rad = view.at("theta_rad").get<double>();
-  return viewpoint_as_probe(view.at("view").get<std::string>(), beam_in_mcs(geometry, axes).direction,
-                            geometry.rotary_axis_direction, pose_of(view.at("pose")));
+  return viewpoint_of_view(view.at("view").get<std::string>(), scenario.machine.geometry,
+                           view.at("theta_rad").get<double>(), pose_of(view.at("pose")));
 }
 
 void attempt(std::vector<std::string>& missing, const std::function<void()>& work) {

@@ -4,18 +4,10 @@
 
 #include <cmath>
 
+#include "geometry/fnv1a.h"
+
 namespace trueblade {
 namespace {
-
-// FNV-1a, 64 bits: the published offset basis and prime.
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const char c : text) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 0x100000001b3u;
-  }
-  return hash;
-}
 
 template <std::size_t N>
 double polynomial(const std::array<double, N>& coefficients, double x) {

@@ -2,14 +2,13 @@
 
 #include <cmath>
 
+#include "registration/covariance.h"
+
 namespace trueblade {
 namespace {
 
 Mat6 covariance_about(const RegistrationResult& fit, const Vec3& pivot_mm) {
-  Mat6 change = Mat6::Identity();
-  const Vec3 arm = pivot_mm - fit.centroid_part_mm;  // translation' = translation + rotation x arm
-  change.block<3, 3>(3, 0) << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
-  return change * fit.covariance * change.transpose();
+  return covariance_about_pivot(fit.covariance, fit.centroid_part_mm, pivot_mm);
 }
 
 // A tenth of a unit direction: a component that moves less along it hardly depends on it.

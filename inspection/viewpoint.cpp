@@ -25,6 +25,12 @@ Viewpoint viewpoint_as_probe(const std::string& name, const Vec3& beam_mcs, cons
   return {name, part_from_mcs.rotation * -beam_mcs, part_from_mcs.rotation * rotary_axis_mcs};
 }
 
+Viewpoint viewpoint_of_view(const std::string& name, const MachineGeometry& geometry, double theta_rad,
+                            const RigidTransform& part_from_mcs) {
+  return viewpoint_as_probe(name, beam_in_mcs(geometry, {.theta_rad = theta_rad}).direction,
+                            geometry.rotary_axis_direction, part_from_mcs);
+}
+
 Viewpoint oblique_viewpoint(const std::string& name, const Viewpoint& base) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   const Vec3 up = upright(base.up, base.to_camera);

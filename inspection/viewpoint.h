@@ -6,6 +6,7 @@
 
 #include "geometry/ray_caster.h"
 #include "geometry/rigid_transform.h"
+#include "hardware/machine_geometry.h"
 
 namespace trueblade {
 
@@ -20,6 +21,10 @@ struct Viewpoint {
 // `rotary_axis_mcs` are those of the view in the MCS.
 Viewpoint viewpoint_as_probe(const std::string& name, const Vec3& beam_mcs, const Vec3& rotary_axis_mcs,
                              const RigidTransform& part_from_mcs);
+
+// The same for a view of the machine at the rotary angle.
+Viewpoint viewpoint_of_view(const std::string& name, const MachineGeometry& geometry, double theta_rad,
+                            const RigidTransform& part_from_mcs);
 
 // From obliquely above, turned by 35 degrees about the up direction from `base` and raised by 25 degrees.
 Viewpoint oblique_viewpoint(const std::string& name, const Viewpoint& base);

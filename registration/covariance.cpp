@@ -158,4 +158,11 @@ PoseCovariance pose_covariance(const Correspondences& correspondences, std::span
   return result;
 }
 
+Mat6 covariance_about_pivot(const Mat6& covariance, const Vec3& from, const Vec3& to) {
+  Mat6 change = Mat6::Identity();
+  const Vec3 arm = to - from;  // translation' = translation + rotation x arm
+  change.block<3, 3>(3, 0) << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
+  return change * covariance * change.transpose();
+}
+
 }  // namespace trueblade

@@ -32,4 +32,8 @@ PoseCovariance pose_covariance(const Correspondences& correspondences, std::span
                                std::span<const double> weights, const RejectionScale& scale,
                                const FreeDirections& determined, const RegistrationOptions& options);
 
+// The covariance of a tangent step (rotation, then translation of the pivot) about the pivot `from` expressed
+// about the pivot `to`: the rotation is the same, the pivot's motion differs.
+Mat6 covariance_about_pivot(const Mat6& covariance, const Vec3& from, const Vec3& to);
+
 }  // namespace trueblade

@@ -69,14 +69,6 @@ Vec3 inlier_centroid_mcs(const WorkingScan& scan, const std::vector<double>& wei
   return weight > 0.0 ? Vec3(sum / weight) : extent_of(scan).centroid_mcs_mm;
 }
 
-// The tangent about `from` expressed about `to`: the rotation is the same, the pivot's motion differs.
-Mat6 about_other_pivot(const Mat6& covariance, const Vec3& from, const Vec3& to) {
-  Mat6 change = Mat6::Identity();
-  const Vec3 arm = to - from;  // translation' = translation + rotation x arm
-  change.block<3, 3>(3, 0) << 0.0, arm.z(), -arm.y(), -arm.z(), 0.0, arm.x(), arm.y(), -arm.x(), 0.0;
-  return change * covariance * change.transpose();
-}
-
 void report_covariance(const RegistrationState& state, const WorkingScan& scan,
                        const PoseCovariance& covariance, RegistrationResult& result) {
   const StepFrame& frame = state.correspondences.frame;
@@ -84,7 +76,7 @@ void report_covariance(const RegistrationState& state, const WorkingScan& scan,
   unscale << Vec3::Constant(1.0 / frame.radius_mm), Vec3::Ones();
   const Mat6 tangent = unscale.asDiagonal() * covariance.scaled * unscale.asDiagonal();
   result.centroid_part_mm = state.part_from_mcs * inlier_centroid_mcs(scan, state.weights);
-  result.covariance = about_other_pivot(tangent, frame.pivot_part_mm, result.centroid_part_mm);
+  result.covariance = covariance_about_pivot(tangent, frame.pivot_part_mm, result.centroid_part_mm);
   result.sigma_mm = covariance.sigma_mm;
   result.sigma_estimated = covariance.sigma_estimated;
   result.undetermined = describe_undetermined(state.undetermined, frame);

@@ -17,19 +17,13 @@ AxisPositions velocity_between(const LatchedProbe::Trigger& from, const LatchedP
           (to.axes.z_mm - from.axes.z_mm) / time_s, (to.axes.theta_rad - from.axes.theta_rad) / time_s};
 }
 
-VirtualSetup validated(VirtualSetup setup) {
-  setup.validate();
-  return setup;
-}
-
 }  // namespace
 
 LatchedProbe::LatchedProbe(VirtualPart part, VirtualSetup setup)
     : part_(std::move(part)),
       setup_(validated(std::move(setup))),
-      true_machine_(setup_.geometry, setup_.part_from_mcs.inverse(), setup_.mcs_from_fixture, setup_.errors,
-                    setup_.seed, setup_.trial),
-      sensor_stream_(setup_.seed, setup_.trial, "sensor") {}
+      true_machine_(true_machine_of(setup_)),
+      sensor_stream_(sensor_stream_of(setup_)) {}
 
 void LatchedProbe::begin_line(const Trigger& trigger) {
   const double theta = trigger.axes.theta_rad;

@@ -18,12 +18,21 @@ AxisPositions mean_velocity(const AxisPositions& from, const AxisPositions& to, 
           (to.theta_rad - from.theta_rad) / time_s};
 }
 
+}  // namespace
+
 VirtualSetup validated(VirtualSetup setup) {
   setup.validate();
   return setup;
 }
 
-}  // namespace
+TrueMachine true_machine_of(const VirtualSetup& setup) {
+  return TrueMachine(setup.geometry, setup.part_from_mcs.inverse(), setup.mcs_from_fixture, setup.errors,
+                     setup.seed, setup.trial);
+}
+
+Rng sensor_stream_of(const VirtualSetup& setup) {
+  return Rng(setup.seed, setup.trial, "sensor");
+}
 
 void VirtualSetup::validate() const {
   geometry.validate();
@@ -66,9 +75,8 @@ VirtualMeasurement measure_at(const VirtualPart& part, const VirtualSetup& setup
 SimulatedMachine::SimulatedMachine(VirtualPart part, VirtualSetup setup)
     : part_(std::move(part)),
       setup_(validated(std::move(setup))),
-      true_machine_(setup_.geometry, setup_.part_from_mcs.inverse(), setup_.mcs_from_fixture, setup_.errors,
-                    setup_.seed, setup_.trial),
-      sensor_stream_(setup_.seed, setup_.trial, "sensor") {}
+      true_machine_(true_machine_of(setup_)),
+      sensor_stream_(sensor_stream_of(setup_)) {}
 
 void SimulatedMachine::connect() {
   if (state_ == MachineState::disconnected) state_ = MachineState::not_homed;

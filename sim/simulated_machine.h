@@ -37,6 +37,11 @@ struct VirtualSetup {
   void validate() const;  // throws InputError
 };
 
+VirtualSetup validated(VirtualSetup setup);  // throws InputError
+// What a set-up draws from: the true geometry, and the stream of the sensor's noise.
+TrueMachine true_machine_of(const VirtualSetup& setup);
+Rng sensor_stream_of(const VirtualSetup& setup);
+
 // For evaluating experiments only; the program that measures never sees it.
 struct SimulationTruth {
   RigidTransform part_from_mcs;  // true, of the view measured last
@@ -45,7 +50,7 @@ struct SimulationTruth {
 };
 
 // One reading of the virtual probe, with the encoders at `encoders`: what the machine hands out, and the
-// truth. `point` numbers the draws of the errors and of `sensor_stream`, Rng(seed, trial, "sensor").
+// truth. `point` numbers the draws of the errors and of `sensor_stream`, see sensor_stream_of.
 struct VirtualMeasurement {
   ProbeSample sample;
   std::optional<TrueHit> truth;

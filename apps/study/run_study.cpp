@@ -9,6 +9,7 @@
 #include "apps/study/study_progress.h"
 #include "apps/version.h"
 #include "geometry/error.h"
+#include "geometry/fnv1a.h"
 #include "part/input_file.h"
 
 namespace trueblade {
@@ -79,12 +80,6 @@ std::vector<double> block_values(const TrialStore& store, std::size_t quantity, 
   for (const auto& [trial, value] : store.column(0, quantity, block))
     if (std::isfinite(value)) values.push_back(value);
   return values;
-}
-
-std::uint64_t fnv1a(const std::string& text) {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  for (const unsigned char byte : text) hash = (hash ^ byte) * 0x100000001b3ULL;
-  return hash;
 }
 
 }  // namespace

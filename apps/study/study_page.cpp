@@ -3,13 +3,13 @@
 
 #include "apps/study/study_document.h"
 #include "geometry/atomic_file.h"
+#include "inspection/embedded_file-inl.h"
+
+// Chart.js, and the page with two places to fill.
+TRUEBLADE_EMBED(chart_js, TRUEBLADE_CHART_JS)
+TRUEBLADE_EMBED(study_page_html, TRUEBLADE_STUDY_PAGE)
 
 namespace trueblade {
-
-// The files that the page is made of, built into the program.
-extern const std::string_view chart_js_text;    // Chart.js
-extern const std::string_view study_page_text;  // study_page.html: the page with two places to fill
-
 namespace {
 
 void replace_once(std::string& text, std::string_view mark, std::string_view by) {
@@ -27,9 +27,9 @@ std::string safe_in_script(std::string text) {
 }  // namespace
 
 void write_study_page(const std::filesystem::path& file, const nlohmann::ordered_json& document) {
-  std::string page(study_page_text);
+  std::string page(study_page_html());
   replace_once(page, "/*DOCUMENT*/", safe_in_script(document.dump()));
-  replace_once(page, "/*CHART_JS*/", chart_js_text);
+  replace_once(page, "/*CHART_JS*/", chart_js());
   write_file_atomically(file, [&](std::ostream& out) { out << page; });
 }
 

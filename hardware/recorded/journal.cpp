@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "geometry/error.h"
+#include "geometry/fnv1a.h"
 #include "hardware/bytes.h"
 
 namespace trueblade {
@@ -83,10 +84,7 @@ std::string system_reason() {
 }  // namespace
 
 std::uint64_t plan_digest(const ScanPlan& plan) {
-  std::uint64_t digest = 0xcbf29ce484222325u;  // FNV-1a, 64 bit
-  const auto mix = [&](std::string_view bytes) {
-    for (const char byte : bytes) digest = (digest ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
-  };
+  std::uint64_t digest = kFnv1aBasis;
   std::string numbers = plan.view;
   append_bytes(numbers, plan.theta_rad);
   append_bytes(numbers, std::uint64_t{plan.columns});
@@ -95,11 +93,10 @@ std::uint64_t plan_digest(const ScanPlan& plan) {
     append_bytes(numbers, std::uint64_t{line.path.size()});
     for (const AxisPositions& at : line.path)
       for (const double value : {at.x_mm, at.y_mm, at.z_mm, at.theta_rad}) append_bytes(numbers, value);
-    mix(numbers);
+    digest = fnv1a(numbers, digest);
     numbers.clear();
   }
-  mix(numbers);
-  return digest;
+  return fnv1a(numbers, digest);
 }
 
 const JournalledView* Journal::find(const std::string& view) const {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "geometry/error.h"
+#include "geometry/fnv1a.h"
 
 namespace trueblade {
 namespace {
@@ -98,10 +99,9 @@ std::string first_difference(const std::string& theirs, const std::string& ours)
   return "the texts are equal";
 }
 
-std::uint64_t fnv1a(std::uint64_t hash, const void* data, std::size_t size) {
-  const auto* bytes = static_cast<const unsigned char*>(data);
-  for (std::size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3ULL;
-  return hash;
+template <class Number>
+std::uint64_t fnv1a_of(const Number& value, std::uint64_t hash) {
+  return fnv1a({reinterpret_cast<const char*>(&value), sizeof value}, hash);
 }
 
 }  // namespace
@@ -299,14 +299,13 @@ void TrialStore::for_each(const TrialRange& range, const std::function<void(cons
 }
 
 std::uint64_t TrialStore::rows_hash(const TrialRange& range) const {
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
+  std::uint64_t hash = kFnv1aBasis;
   for_each(range, [&](const Outcome& outcome) {
-    hash = fnv1a(hash, &outcome.trial, sizeof outcome.trial);
-    hash = fnv1a(hash, &outcome.case_number, sizeof outcome.case_number);
-    hash = fnv1a(hash, outcome.failure.data(), outcome.failure.size());
+    hash = fnv1a_of(outcome.trial, hash);
+    hash = fnv1a_of(outcome.case_number, hash);
+    hash = fnv1a(outcome.failure, hash);
     for (const double value : outcome.values) {
-      const auto bits = std::bit_cast<std::uint64_t>(std::isnan(value) ? kAbsent : value);
-      hash = fnv1a(hash, &bits, sizeof bits);
+      hash = fnv1a_of(std::isnan(value) ? kAbsent : value, hash);
     }
   });
   return hash;

@@ -14,6 +14,7 @@
 #include "geometry/error.h"
 #include "hardware/execute_plan.h"
 #include "hardware/recorded/recorded_machine.h"
+#include "tests/hardware/same_sample.h"
 #include "tests/part/temporary_folder.h"
 
 namespace trueblade {
@@ -30,17 +31,6 @@ ProbeSample sample_number(std::size_t k) {
   sample.time_s = 0.001 * t;
   sample.flags = ProbeFlags::from_bits(static_cast<std::uint8_t>(k % 8));
   return sample;
-}
-
-void expect_same(const ProbeSample& a, const ProbeSample& b) {
-  EXPECT_EQ(a.axes.x_mm, b.axes.x_mm);
-  EXPECT_EQ(a.axes.y_mm, b.axes.y_mm);
-  EXPECT_EQ(a.axes.z_mm, b.axes.z_mm);
-  EXPECT_EQ(a.axes.theta_rad, b.axes.theta_rad);
-  EXPECT_EQ(a.distance_mm, b.distance_mm);
-  EXPECT_EQ(a.snr, b.snr);
-  EXPECT_EQ(a.time_s, b.time_s);
-  EXPECT_EQ(a.flags.bits(), b.flags.bits());
 }
 
 // Two lines of 20 positions each, where sample_number puts its samples.

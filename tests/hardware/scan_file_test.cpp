@@ -1,5 +1,6 @@
 // Scan files: every bit of a view comes back; damaged files are refused, at every length.
 #include "hardware/scan_file.h"
+#include "tests/hardware/same_sample.h"
 
 #include <gtest/gtest.h>
 
@@ -69,17 +70,7 @@ TEST_F(ScanFile, EveryBitComesBack) {
   EXPECT_EQ(read.points.position_mcs_mm, wrote.points.position_mcs_mm);
   EXPECT_EQ(read.points.snr, wrote.points.snr);
   ASSERT_EQ(read.samples.size(), wrote.samples.size());
-  for (std::size_t i = 0; i < wrote.samples.size(); ++i) {
-    const ProbeSample &a = read.samples[i], &b = wrote.samples[i];
-    EXPECT_EQ(a.axes.x_mm, b.axes.x_mm);
-    EXPECT_EQ(a.axes.y_mm, b.axes.y_mm);
-    EXPECT_EQ(a.axes.z_mm, b.axes.z_mm);
-    EXPECT_EQ(a.axes.theta_rad, b.axes.theta_rad);
-    EXPECT_EQ(a.distance_mm, b.distance_mm);
-    EXPECT_EQ(a.snr, b.snr);
-    EXPECT_EQ(a.time_s, b.time_s);
-    EXPECT_EQ(a.flags.bits(), b.flags.bits());
-  }
+  for (std::size_t i = 0; i < wrote.samples.size(); ++i) expect_same(read.samples[i], wrote.samples[i]);
   write_scan(file_, read);
   const std::string again = content();
   write_scan(file_, wrote);
