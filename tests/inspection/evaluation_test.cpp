@@ -112,9 +112,18 @@ TEST(Evaluation, NoiseMovesAGroupByItsStatedUncertainty) {
     const double u = std::sqrt(offset.covariance(k, k));
     EXPECT_LT(std::abs(offset.step[k]), 4.0 * u) << k;
   }
-  // Along the arm between the cubes, 162 points of either hold the translation: 0.003 sqrt(2 / 162) = 0.33
-  // um. Across it, the rotation of the first acts with its lever and adds to that.
-  EXPECT_NEAR(std::sqrt(offset.covariance(3, 3)), 0.003 * std::sqrt(2.0 / 162.0), 0.2 * 0.00033);
+  // 162 points of either cube hold each translation: 0.003 sqrt(2 / 162) = 0.33 um. Across the arm between
+  // the cubes the rotation of the first acts with its lever too; both cubes are alike, so that half of the
+  // rotation's variance is the first one's.
+  const double translation = 0.003 * 0.003 * 2.0 / 162.0;
+  const double arm_mm = kSecondCentre.norm();
+  const double about_y = offset.covariance(1, 1) / 2.0, about_z = offset.covariance(2, 2) / 2.0;
+  const double expected[3] = {translation, translation + arm_mm * arm_mm * about_z,
+                              translation + arm_mm * arm_mm * about_y};
+  for (int k = 0; k < 3; ++k)
+    EXPECT_NEAR(std::sqrt(offset.covariance(3 + k, 3 + k)), std::sqrt(expected[k]),
+                0.2 * std::sqrt(expected[k]))
+        << k;
 }
 
 TEST(Evaluation, AGroupSeenOnTwoFacesLeavesComponentsOpen) {
