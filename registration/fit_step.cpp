@@ -11,7 +11,11 @@ namespace trueblade {
 namespace {
 
 constexpr std::size_t kBlock = 4096;
-constexpr int kConcentrationSteps = 10;  // the set of trusted points repeats long before
+// The set of trusted points mostly repeats after two or three steps. A cut that is estimated from it may lead
+// it round in a circle; under a cut that stays, the truncated sum of squares falls with every step, and the
+// set must repeat.
+constexpr int kStepsWithNewCut = 5;
+constexpr int kConcentrationSteps = 20;
 constexpr int kSubsets = 200;  // one in four subsets of six is clean among 20 % outliers: 1e-25 that none is
 
 // distance + J . step, for all points.
@@ -34,26 +38,38 @@ bool same_selection(std::span<const double> a, std::span<const double> b) {
 
 struct Regression {
   StepFit fit;
-  std::vector<double> weights;
+  std::vector<double> weights;  // those of fit.equations
   std::vector<double> residual;
 };
 
-Regression concentrate(const Correspondences& c, std::span<const double> base,
-                       const RejectionOptions& options, const FreeDirections& free, double floor_mm,
-                       std::vector<double> start) {
+// The consistent cut at a scale of the residuals' own, or at one that is held.
+struct ConsistentCut {
+  const RejectionOptions& options;
+  double floor_mm;
+  std::optional<RejectionScale> held;
+
+  RejectionScale apply(std::span<const double> residual_mm, std::span<const double> base,
+                       std::span<double> weights) const {
+    if (!held) return apply_rejection(options, residual_mm, base, floor_mm, weights);
+    apply_cut(residual_mm, base, held->cut_mm, weights);
+    return *held;
+  }
+};
+
+Regression concentrate(const Correspondences& c, std::span<const double> base, ConsistentCut cut,
+                       const FreeDirections& free, std::vector<double> start) {
   Regression r;
   r.weights = std::move(start);
   std::vector<double> next(r.weights.size());
-  for (int k = 0; k < kConcentrationSteps; ++k) {
+  for (int k = 1;; ++k) {
     r.fit.equations = normal_equations(c, r.weights);
     r.fit.step_scaled = solve_step(r.fit.equations, free);
     r.residual = residuals_after(c, r.fit.step_scaled);
-    r.fit.scale = apply_rejection(options, r.residual, base, floor_mm, next);
-    const bool repeats = same_selection(r.weights, next);
+    r.fit.scale = cut.apply(r.residual, base, next);
+    if (k == kConcentrationSteps || same_selection(r.weights, next)) return r;
+    if (k == kStepsWithNewCut) cut.held = r.fit.scale;
     r.weights.swap(next);
-    if (repeats) break;
   }
-  return r;
 }
 
 double truncated_objective(const Regression& r, std::span<const double> base, double cut) {
@@ -68,18 +84,18 @@ std::size_t selected(std::span<const double> weights) {
       std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0.0; }));
 }
 
-StepFit consistent_fit(const Correspondences& c, std::span<const double> base,
-                       const RejectionOptions& options, const FreeDirections& free, double floor_mm,
-                       bool settled, std::span<double> weights) {
+StepFit consistent_fit(const Correspondences& c, std::span<const double> base, const ConsistentCut& cut,
+                       const FreeDirections& free, bool settled, std::span<double> weights) {
   std::vector<double> near(base.size());
-  apply_rejection(options, c.distance_mm, base, floor_mm, near);
-  Regression best = settled ? concentrate(c, base, options, free, floor_mm, near)
-                            : concentrate(c, base, options, free, floor_mm, {base.begin(), base.end()});
+  cut.apply(c.distance_mm, base, near);
+  Regression best = settled ? concentrate(c, base, cut, free, near)
+                            : concentrate(c, base, cut, free, {base.begin(), base.end()});
   // Fewer than one in a hundred cannot have carried the other start away.
   if (!settled && 100 * selected(best.weights) < 99 * selected(base)) {
-    Regression other = concentrate(c, base, options, free, floor_mm, std::move(near));
-    const double cut = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
-    if (truncated_objective(other, base, cut) < truncated_objective(best, base, cut)) best = std::move(other);
+    Regression other = concentrate(c, base, cut, free, std::move(near));
+    const double limit_mm = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
+    if (truncated_objective(other, base, limit_mm) < truncated_objective(best, base, limit_mm))
+      best = std::move(other);
   }
   std::copy(best.weights.begin(), best.weights.end(), weights.begin());
   return best.fit;
@@ -128,9 +144,9 @@ StepFit least_median_fit(const Correspondences& c, std::span<const double> base,
 
 StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
                  const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
-                 std::span<double> weights) {
+                 const std::optional<RejectionScale>& held_scale, std::span<double> weights) {
   if (options.rule == RejectionRule::consistent_cut)
-    return consistent_fit(correspondences, base, options, free, floor_mm, settled, weights);
+    return consistent_fit(correspondences, base, {options, floor_mm, held_scale}, free, settled, weights);
   if (options.rule == RejectionRule::least_median_of_squares)
     return least_median_fit(correspondences, base, options, free, floor_mm, weights);
   StepFit fit;

@@ -1,6 +1,8 @@
 // The step of one iteration: which correspondences are trusted, and the Gauss-Newton step they give.
 #pragma once
 
+#include <optional>
+
 #include "registration/normal_equations.h"
 #include "registration/rejection.h"
 
@@ -21,11 +23,12 @@ struct StepFit {
 // (concentration steps, Rousseeuw and Van Driessen 1999), once starting from all points and, where that
 // rejects more than 1 %, once from those that are near now; the start that leaves the lower truncated
 // objective wins. When the pose has `settled` (the last step was small against sigma) the present residuals
-// do tell the outliers apart, and the points that are near now are the only start. The least-median rule
+// do tell the outliers apart, and the points that are near now are the only start. With a
+// `held_scale` the consistent cut takes that instead of the residuals' own. The least-median rule
 // takes the best of 200 steps through six random points each. Neither needs new closest points. The other
 // rules judge the residuals as they are.
 StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
                  const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
-                 std::span<double> weights);
+                 const std::optional<RejectionScale>& held_scale, std::span<double> weights);
 
 }  // namespace trueblade

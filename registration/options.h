@@ -183,9 +183,10 @@ struct TerminationOptions {
   }
 };
 
-// A spatially even subsample carries the first iterations; the last ones use all points.
+// Spatially even subsamples carry the first iterations, 500 points and then this many, each where what
+// follows is at least twice as many; the last iterations use all points.
 struct SamplingOptions {
-  std::int64_t points = 3000;     // 0: all points in every iteration; scans below twice this are not sampled
+  std::int64_t points = 3000;     // 0: all points in every iteration
   double until_step_sigma = 0.3;  // largest motion of a point, in sigma, that ends the sampled iterations
 
   template <class Self, class Visitor>

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "geometry/error.h"
+#include "registration/approach.h"
 #include "registration/covariance.h"
 #include "registration/cross_check.h"
 #include "registration/determinacy.h"
@@ -14,6 +15,10 @@
 
 namespace trueblade {
 namespace {
+
+// Far from the part it is wrong correspondences, not noise, that limit a step: some hundred points tell as
+// much as all.
+constexpr std::size_t kFirstSample = 500;
 
 // Rounding of a distance: a handful of operations on the largest coordinate in play, 64 ulps of it.
 double rounding_floor_mm(const FacetModel& model, const ScanExtent& extent,
@@ -111,13 +116,15 @@ CrossCheck cross_check_of(const RegistrationProblem& problem, const WorkingScan&
                                    state.determined, covariance.scaled, state.fit.equations.hessian});
 }
 
-// A subsample near the minimum first, where the scan is large; the facets before the CAD surfaces; then all
-// points on the best surface there is.
+// Subsamples near the minimum first, each at most half of what follows it; the facets before the CAD
+// surfaces; then all points on the best surface there is.
 Termination register_from(const RegistrationProblem& problem, const WorkingScan& scan,
                           RegistrationState& state) {
   const auto sample = static_cast<std::size_t>(problem.options.sampling.points);
   const bool sampled = sample > 0 && scan.size() >= 2 * sample;
   const bool exact = uses_exact_surfaces(problem);
+  if (sample > 0)
+    approach(problem, scan.size() >= 2 * kFirstSample ? even_subsample(scan, kFirstSample) : scan, state);
   if (sampled)
     iterate(problem, even_subsample(scan, sample), IterationGoal::near_the_minimum, false, state);
   else if (exact)

@@ -43,12 +43,6 @@ double mean_plus_three_sigma(std::span<const double> residual, std::span<const d
   return mean + 3.0 * std::sqrt(squares / count);
 }
 
-void cut(std::span<const double> residual, std::span<const double> base, double limit,
-         std::span<double> weights) {
-  for (std::size_t i = 0; i < residual.size(); ++i)
-    weights[i] = std::abs(residual[i]) <= limit ? base[i] : 0.0;
-}
-
 // Tukey's biweight (1 - u^2)^2 within |u| < 1.
 double tukey(double u) {
   const double rest = 1.0 - u * u;
@@ -99,8 +93,14 @@ RejectionScale apply_rejection(const RejectionOptions& options, std::span<const 
       return scale;
     }
   }
-  cut(residual_mm, base, scale.cut_mm, weights);
+  apply_cut(residual_mm, base, scale.cut_mm, weights);
   return scale;
+}
+
+void apply_cut(std::span<const double> residual_mm, std::span<const double> base, double cut_mm,
+               std::span<double> weights) {
+  for (std::size_t i = 0; i < residual_mm.size(); ++i)
+    weights[i] = std::abs(residual_mm[i]) <= cut_mm ? base[i] : 0.0;
 }
 
 }  // namespace trueblade

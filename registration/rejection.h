@@ -26,4 +26,8 @@ double consistent_sigma_mm(std::span<const double> residual_mm, std::span<const 
 RejectionScale apply_rejection(const RejectionOptions& options, std::span<const double> residual_mm,
                                std::span<const double> base, double floor_mm, std::span<double> weights);
 
+// Keeps the points within `cut_mm`: weights[i] becomes base[i] or 0.
+void apply_cut(std::span<const double> residual_mm, std::span<const double> base, double cut_mm,
+               std::span<double> weights);
+
 }  // namespace trueblade

@@ -60,8 +60,8 @@ struct RegistrationResult {
   std::size_t outliers = 0;
   std::vector<bool> is_inlier;  // per scan point
 
-  double initial_rms_mm =
-      0.0;  // unweighted, no rejection, at the initial pose; of the even subsample when one was used
+  // Unweighted, no rejection, at the initial pose; of the first even subsample when one was used.
+  double initial_rms_mm = 0.0;
   double weighted_rms_mm = 0.0;  // what was minimised: sqrt(sum w d^2 / sum w) over the inliers
   double rms_mm = 0.0;           // unweighted RMS distance of the inliers
 

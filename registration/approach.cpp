@@ -1,0 +1,78 @@
+#include "registration/approach.h"
+
+#include <cmath>
+#include <limits>
+
+namespace trueblade {
+namespace {
+
+// Neighbours of white noise correlate to 1 / sqrt(n), 0.05 for 500 points; those of a misfit nearly fully.
+constexpr double kMisfitCorrelation = 0.5;
+// A misfit leaves residuals of the size of the error at the start. The square of this, one percent, is left
+// unexplained.
+constexpr double kMisfitShare = 0.1;
+// Starts lie these many times the first RMS distance away: a surface that is hit at an angle is nearer than
+// the displacement, and points on a wrong surface are nearer still.
+constexpr double kStartDistances[] = {2.0, 5.0};
+
+// Correlation of the residuals of neighbouring points that take part.
+double neighbour_correlation(const RegistrationState& state) {
+  double product = 0.0, square = 0.0;
+  std::optional<double> previous;
+  for (std::size_t i = 0; i < state.weights.size(); ++i) {
+    if (!(state.weights[i] > 0.0)) continue;
+    const double d = state.correspondences.distance_mm[i];
+    if (previous) product += d * *previous;
+    square += d * d;
+    previous = d;
+  }
+  return square > 0.0 ? product / square : 0.0;
+}
+
+// Over all points that are eligible: outliers of a good pose weigh no more than those of another.
+double mean_distance_mm(const RegistrationState& state) {
+  double sum = 0.0, weight = 0.0;
+  for (std::size_t i = 0; i < state.base.size(); ++i) {
+    sum += state.base[i] * std::abs(state.correspondences.distance_mm[i]);
+    weight += state.base[i];
+  }
+  return weight > 0.0 ? sum / weight : std::numeric_limits<double>::infinity();
+}
+
+bool shows_misfit(const RegistrationState& state) {
+  return mean_distance_mm(state) > kMisfitShare * state.first_rms_mm &&
+         neighbour_correlation(state) > kMisfitCorrelation;
+}
+
+// One more start. Where it ends better than `state` it takes its place.
+void start_from(const RegistrationProblem& problem, const WorkingScan& scan,
+                const RigidTransform& part_from_mcs, RegistrationState& state) {
+  RegistrationState other;
+  other.part_from_mcs = part_from_mcs;
+  iterate(problem, scan, IterationGoal::near_the_minimum, false, other);
+  ClosestPointWork work = state.work;
+  work += other.work;
+  if (mean_distance_mm(other) < mean_distance_mm(state)) {
+    other.first_rms_mm = state.first_rms_mm;
+    state = std::move(other);
+  }
+  state.work = work;
+}
+
+}  // namespace
+
+void approach(const RegistrationProblem& problem, const WorkingScan& scan, RegistrationState& state) {
+  const RigidTransform initial = state.part_from_mcs;
+  iterate(problem, scan, IterationGoal::near_the_minimum, false, state);
+  const FreeDirections around = state.determined;
+  const StepFrame frame{initial * problem.extent.centroid_mcs_mm, problem.extent.radius_mm};
+  for (const double times : kStartDistances)
+    for (Eigen::Index k = 0; k < around.cols(); ++k)
+      for (const double side : {1.0, -1.0}) {
+        if (!shows_misfit(state)) return;
+        const Vec6 away = side * times * state.first_rms_mm * around.col(k);
+        start_from(problem, scan, problem.motion.moved(initial, away, frame), state);
+      }
+}
+
+}  // namespace trueblade
