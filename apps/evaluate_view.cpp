@@ -41,6 +41,7 @@ EvaluatedView evaluate_view(const RegistrationTarget& target, const std::string&
   if (options.tolerance)
     view.result.tolerance = count_against(view.deviations.signed_mm, is_outlier, *options.tolerance);
   view.result.surfaces = statistics_by_surface(target.part(), view.deviations, options.tolerance);
+  view.result.initial_rms_mm = rms_distance_mm(target.tree(), scan.position_mcs_mm, initial_part_from_mcs);
   view.result.time.evaluate_s = seconds_since(evaluate_start);
 
   if (true_part_from_mcs)

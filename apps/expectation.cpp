@@ -37,7 +37,7 @@ constexpr std::array<Quantity, 18> kQuantities{{
        return 100.0 * count(view.registration.inliers) / count(view.statistics.points);
      }},
     {"undetermined", [](const ViewResult& view) { return count(view.registration.undetermined.size()); }},
-    {"initial_rms_mm", [](const ViewResult& view) { return view.registration.initial_rms_mm; }},
+    {"initial_rms_mm", [](const ViewResult& view) { return view.initial_rms_mm; }},
     {"weighted_rms_mm", [](const ViewResult& view) { return view.registration.weighted_rms_mm; }},
     {"rms_mm", [](const ViewResult& view) { return view.statistics.rms_mm; }},
     {"mean_mm", [](const ViewResult& view) { return view.statistics.mean_mm; }},

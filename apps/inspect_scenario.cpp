@@ -131,7 +131,7 @@ ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const
   view.planned = plan.point_count();
   view.failure = failure;
   view.statistics.points = measured.scan.points.size();
-  view.registration.initial_rms_mm = view.registration.weighted_rms_mm = kNoValue;
+  view.registration.weighted_rms_mm = kNoValue;
   return view;
 }
 

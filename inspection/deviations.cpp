@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
@@ -76,6 +77,22 @@ Deviations evaluate_deviations(const Part& part, const ClosestPointTree& tree, c
   d.exact = static_cast<std::size_t>(std::count(is_exact.begin(), is_exact.end(), 1));
   d.outliers = report_outliers(d.signed_mm);
   return d;
+}
+
+double rms_distance_mm(const ClosestPointTree& tree, const std::vector<Vec3>& position_mcs_mm,
+                       const RigidTransform& part_from_mcs) {
+  const double sum =
+      ordered_sum(position_mcs_mm.size(), kBlock, 0.0, [&](std::size_t begin, std::size_t end) {
+        double squares = 0.0;
+        std::uint32_t facet = kNoFacet;
+        for (std::size_t i = begin; i < end; ++i) {
+          const ClosestPoint closest = tree.query(part_from_mcs * position_mcs_mm[i], facet);
+          facet = closest.facet;
+          squares += closest.distance_mm * closest.distance_mm;
+        }
+        return squares;
+      });
+  return std::sqrt(sum / static_cast<double>(position_mcs_mm.size()));
 }
 
 }  // namespace trueblade

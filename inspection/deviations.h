@@ -49,4 +49,8 @@ Deviations evaluate_deviations(const Part& part, const ClosestPointTree& tree, c
                                const ScanPoints& scan, const RigidTransform& part_from_mcs,
                                const DeviationOptions& options);
 
+// Root mean square distance of all scan points from the facets at a pose; of no point, NaN.
+double rms_distance_mm(const ClosestPointTree& tree, const std::vector<Vec3>& position_mcs_mm,
+                       const RigidTransform& part_from_mcs);
+
 }  // namespace trueblade

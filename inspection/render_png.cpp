@@ -189,7 +189,7 @@ void draw_facts(Canvas& canvas, double left, double right, double top, const Vie
       {"Maximum", length(s.max_mm, true)},
       {"Mean", length(s.mean_mm, true)},
       {"Standard deviation", length(s.standard_deviation_mm, false)},
-      {"RMS before", length(view.registration.initial_rms_mm, false)},
+      {"RMS before", length(view.initial_rms_mm, false)},
       {"Points", fmt::format("{}", s.points)},
       {"seen from here", fmt::format("{}", visible)},
       {"Outliers (black)", fmt::format("{}", s.left_out)}};

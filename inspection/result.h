@@ -69,7 +69,8 @@ struct ViewResult {
   std::size_t out_of_range = 0;
   std::size_t missed = 0;
   std::size_t low_signal = 0;
-  std::string failure;  // why the view was not registered at all; all that follows is then empty
+  std::string failure;               // why the view was not registered at all; all that follows is then empty
+  double initial_rms_mm = kNoValue;  // distance of all points from the facets at the pose of the set-up
   RegistrationResult registration;
   DeviationStatistics statistics;   // of the signed deviations, report outliers left out
   DeviationStatistics from_facets;  // the same points, against the facet model

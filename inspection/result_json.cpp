@@ -64,7 +64,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                {"converged", registered && is_converged(r.termination)},
                {"inliers", r.inliers},
                {"outliers", r.outliers},
-               {"initial_rms_mm", number_json(r.initial_rms_mm)},
+               {"initial_rms_mm", number_json(view.initial_rms_mm)},
                {"weighted_rms_mm", number_json(r.weighted_rms_mm)},
                {"rms_mm", number_json(view.statistics.rms_mm)},
                {"min_mm", number_json(view.statistics.min_mm)},

@@ -61,7 +61,7 @@ std::string inspection_table(const InspectionResult& result) {
             number(s.rms_mm, 4),
             number(s.min_mm, 4),
             number(s.max_mm, 4),
-            number(view.registration.initial_rms_mm, 4)};
+            number(view.initial_rms_mm, 4)};
     if (truth_known) {
       row.push_back(view.truth ? short_number(view.truth->translation_error_mm) : "-");
       row.push_back(view.truth ? short_number(view.truth->rotation_error_rad) : "-");

@@ -129,7 +129,9 @@ std::vector<double> values_of_view(const StudySpec& study, const Scenario& scena
   values.push_back(error.head<3>().norm());
   values.push_back(error.tail<3>().norm());
   values.push_back(static_cast<double>(scan.size()));
-  values.push_back(result.initial_rms_mm);
+  values.push_back(wanted[values.size()] ? rms_distance_mm(target.tree(), scan.position_mcs_mm,
+                                                           scenario.machine.mcs_from_part.inverse())
+                                         : kNoValue);
 
   // rms, min and max are 10 to 12; the profiles stand at the end.
   std::optional<ReportedDeviations> reported;

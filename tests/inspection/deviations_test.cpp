@@ -44,6 +44,17 @@ TEST(Deviations, PlateHasTheSignOfTheNearSide) {
   EXPECT_NEAR(d.normal[3].z(), -1.0, 1e-15);
 }
 
+TEST(Deviations, RmsDistanceIsThatOfAllPointsAtThePose) {
+  const Part part = plate_part(1.0);
+  const RigidTransform lifted{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}};
+  // The distances of the plate test above, seen from half a millimetre lower.
+  const std::vector<Vec3> points{{1, 2, 0.2},  {1, 2, -0.1},  {1, 2, -0.9},
+                                 {1, 2, -1.2}, {12, 0, -0.5}, {13, 14, 0}};
+  EXPECT_NEAR(rms_distance_mm(ClosestPointTree(part.model), points, lifted),
+              std::sqrt((2 * 0.2 * 0.2 + 2 * 0.1 * 0.1 + 2.0 * 2.0 + 5.0 * 5.0) / 6.0), 1e-14);
+  EXPECT_TRUE(std::isnan(rms_distance_mm(ClosestPointTree(part.model), {}, lifted)));
+}
+
 TEST(Deviations, ArePoseTimesPoint) {
   const Part part = sphere_part(50.0, 3);
   const RigidTransform part_from_mcs{rotation_from_vector({0.3, -0.2, 0.9}), {10.0, -20.0, 5.0}};

@@ -31,7 +31,7 @@ inline InspectionResult example_result() {
   r.termination = Termination::converged_rms;
   r.inliers = 1490;
   r.outliers = 10;
-  r.initial_rms_mm = 0.222;
+  view.initial_rms_mm = 0.222;
   r.weighted_rms_mm = 0.00091;
   view.statistics = {1500, 7, -0.004, 0.0041, 0.0001, 0.001, 0.00099, 0.0008, -0.0007};
   view.surfaces = {{4, "airfoil", view.statistics, std::nullopt}};

@@ -66,7 +66,7 @@ TEST(ResultJson, NumbersThatDoNotExistAreNull) {
   view.statistics = {};
   view.truth.reset();
   view.time = {};
-  view.registration.initial_rms_mm = INFINITY;
+  view.initial_rms_mm = INFINITY;
   result.run.date.clear();
   const Json json = written_and_read(result);
   EXPECT_TRUE(json["views"][0]["rms_mm"].is_null());
