@@ -22,7 +22,7 @@ inline LatchedSample latched_sample(const HalStream::Record& record) {
   sample.distance_mm = v[6].f;
   sample.snr = v[7].f;
   ProbeFlags flags = ProbeFlags::from_bits(static_cast<std::uint8_t>(v[8].u));
-  if (!v[10].b) flags.missed = true;
+  if (!v[10].b && !flags.out_of_range) flags.missed = true;  // not valid for no reason of its own: no return
   sample.flags = flags.bits();
   sample.reading = v[9].u;
   sample.motion_enabled = v[11].b;

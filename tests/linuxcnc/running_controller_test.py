@@ -1,0 +1,209 @@
+#!/usr/bin/env python3
+"""The LinuxCNC controller itself, with simulated drives and the virtual probe (scripts/linuxcnc.sh): the whole inspection, and
+the faults that the controller makes on demand.
+
+    tests/linuxcnc/running_controller_test.py build/dev
+
+Exit code 77, with a message, where the controller is not installed or may not be started."""
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BUILD = pathlib.Path(sys.argv.pop(1)).resolve()
+PROGRAM = BUILD / "trueblade"
+LOOP = pathlib.Path(tempfile.gettempdir()) / "trueblade_loop_test"
+ENVIRONMENT = {**os.environ, "TRUEBLADE_BUILD": str(BUILD), "TRUEBLADE_LOOP": str(LOOP)}
+MACHINE_FAULT = 3
+
+CONTROLLER = "host: 127.0.0.1, command_port: {port}, sample_port: 5008, reset_estop: true, enable_password: {password}"
+SCENARIO = """name: running_controller
+seed: 1
+part: {{demonstration: turbine_blade, chord_tolerance_mm: 0.02}}
+machine:
+  {backend}
+  lens: {{name: 25mm}}
+  mcs_from_part: {{translation_mm: [0, 0, 32]}}
+  simulation:
+    errors: {{fixture_x: {{sigma_mm: 0.1}}, fixture_y: {{sigma_mm: 0.1}}, fixture_z: {{sigma_mm: 0.1}}, fixture_c: {{sigma_deg: 0.1}}}}
+scan: {{views: [{{name: front, theta_deg: 0}}], spacing_mm: {spacing_mm}}}
+"""
+
+
+def scenario_text(backend="linuxcnc", spacing_mm=4, port=5007, password="EMCTOO"):
+    text = "backend: " + backend
+    if backend == "linuxcnc":
+        text += f"\n  controller: {{{CONTROLLER.format(port=port, password=password)}}}"
+    return SCENARIO.format(backend=text, spacing_mm=spacing_mm)
+
+
+class Controller:
+    """A second user interface beside the program's: it asks, and presses the e-stop."""
+
+    def __init__(self):
+        self.socket = socket.create_connection(("127.0.0.1", 5007), timeout=10)
+        self.lines = self.socket.makefile("r", newline="\n")
+        self.say("hello EMC test 1.0")
+
+    def say(self, line):
+        self.socket.sendall((line + "\r\n").encode())
+
+    def ask(self, line):
+        self.say(line)
+        word = line.split()[1].upper()
+        while True:
+            answer = self.lines.readline().strip()
+            if answer.upper().startswith(word):
+                return answer
+
+    def position(self):
+        return self.ask("get abs_act_pos")
+
+    def press_estop(self):
+        self.say("set enable EMCTOO")
+        self.say("set estop on")
+
+    def close(self):
+        self.socket.close()
+
+
+def setUpModule():
+    subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=False)
+    setUpModule.folder = pathlib.Path(tempfile.mkdtemp())
+    setUpModule.folder.chmod(0o755)  # the virtual probe reads the scenario as another user
+    file = setUpModule.folder / "loop.yaml"
+    file.write_text(scenario_text())
+    subprocess.run([ROOT / "scripts/linuxcnc.sh", "start", file], env=ENVIRONMENT, check=True)
+
+
+def tearDownModule():
+    subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, check=True)
+    shutil.rmtree(setUpModule.folder)
+
+
+class RunningController(unittest.TestCase):
+    def setUp(self):
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=setUpModule.folder))
+
+    def command(self, scenario, *options):
+        file = self.folder / "scenario.yaml"
+        file.write_text(scenario)
+        return [PROGRAM, "inspect", file, "--out", self.folder / "run", *options]
+
+    def inspect(self, scenario, *options):
+        return subprocess.run(self.command(scenario, *options), capture_output=True, text=True, check=False, timeout=300)
+
+    def result(self):
+        return json.loads((self.folder / "run/result.json").read_text())["views"][0]
+
+    def started_scan(self):
+        """The process, in the middle of its scan."""
+        process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        journal = self.folder / "run/scan.journal"
+        while not journal.exists() or journal.stat().st_size < 6000:
+            self.assertIsNone(process.poll(), "ended before the scan began")
+            time.sleep(0.02)
+        return process
+
+    def stands_still(self):
+        controller = Controller()
+        before = controller.position()
+        time.sleep(0.5)
+        after = controller.position()
+        controller.close()
+        self.assertEqual(before, after)
+
+    def completes(self):
+        resumed = self.inspect(scenario_text(), "--resume")
+        self.assertIn(resumed.returncode, (0, 1), resumed.stderr)
+        samples = self.result()["samples"]
+        self.assertEqual(samples["points"] + samples["out_of_range"] + samples["missed"], samples["planned"])
+        self.assertLess(self.result()["rms_mm"], 0.004)  # 3 um of noise: nothing was mixed up
+
+    def test_the_report_is_that_of_the_simulated_machine(self):
+        through = self.inspect(scenario_text())
+        self.assertIn(through.returncode, (0, 1), through.stderr)
+        real = self.result()
+        self.inspect(scenario_text("simulated"))
+        simulated = self.result()
+        for count in ("planned", "points", "out_of_range", "missed"):
+            self.assertEqual(real["samples"][count], simulated["samples"][count], count)
+        # Same part, same errors, same noise at every planned position; the samples lie up to 0.03 mm beside it (docs/linuxcnc.md), so
+        # that few of them read another part of the surface. 200 points of 3 um determine the pose to about a micrometre.
+        apart = [a - b for a, b in zip(real["pose"]["translation_mm"], simulated["pose"]["translation_mm"])]
+        self.assertLess(max(map(abs, apart)), 0.004)
+        turned = [a - b for a, b in zip(real["pose"]["rotation_wxyz"], simulated["pose"]["rotation_wxyz"])]
+        self.assertLess(max(map(abs, turned)), 3e-5)
+        self.assertAlmostEqual(real["rms_mm"], simulated["rms_mm"], delta=0.0005)
+
+    def test_estop_in_the_middle_of_a_line(self):
+        process = self.started_scan()
+        controller = Controller()
+        controller.press_estop()
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, MACHINE_FAULT, errors)
+        self.assertRegex(errors.lower(), "e-?stop|off")
+        controller.close()
+        self.stands_still()
+        self.completes()
+
+    def test_killed_in_the_middle_of_a_line(self):
+        process = self.started_scan()
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        time.sleep(1.0)  # the watchdog's 0.5 s, and the way to a stand
+        self.stands_still()
+        self.completes()
+
+    def test_interrupted_in_the_middle_of_a_line(self):
+        process = self.started_scan()
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.stands_still()
+        self.completes()
+
+    def test_beyond_a_limit(self):
+        machine = self.folder / "machine.yaml"
+        machine.write_text("backend: linuxcnc\nlens: {name: 25mm}\ncontroller: {" +
+                           CONTROLLER.format(port=5007, password="EMCTOO") + "}\n")
+        subprocess.run([PROGRAM, "machine", "home", "--machine", machine], check=True, capture_output=True, timeout=120)
+        jog = subprocess.run([PROGRAM, "machine", "jog", "--machine", machine, "--axis", "x", "--by", "100000"],
+                             capture_output=True, text=True, check=False, timeout=60)
+        self.assertIn(jog.returncode, (2, MACHINE_FAULT))
+        self.assertIn("limit", jog.stderr)
+        self.stands_still()
+
+    def test_refused_connection_and_wrong_password(self):
+        for scenario, word in ((scenario_text(port=5009), "5009"), (scenario_text(password="WRONG"), "password")):
+            refused = self.inspect(scenario)
+            self.assertEqual(refused.returncode, MACHINE_FAULT, refused.stderr)
+            self.assertIn(word, refused.stderr)
+
+
+def reason_to_skip():
+    if not shutil.which("linuxcnc"):
+        return "LinuxCNC is not installed (Debian: linuxcnc-uspace)"
+    if not (BUILD / "trueblade-hal").exists():
+        return f"{BUILD}/trueblade-hal is not built (Debian: linuxcnc-uspace-dev)"
+    try:
+        socket.create_connection(("127.0.0.1", 5007), timeout=1).close()
+        return "something listens on port 5007 already"
+    except OSError:
+        return None
+
+
+if __name__ == "__main__":
+    reason = reason_to_skip()
+    if reason:
+        print("skipped:", reason)
+        sys.exit(77)
+    unittest.main(verbosity=2)
