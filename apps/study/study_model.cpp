@@ -154,9 +154,13 @@ struct StudyModel::Impl {
       place += static_cast<std::size_t>(std::count(is_kept[v].begin(), is_kept[v].end(), true));
     for (std::size_t k = 0; k < of_this.size(); ++k)
       if (wanted[k]) values[place++] = of_this[k];
-    return is_converged(result.termination) ? ""
-                                            : fmt::format("{}: the registration did not converge: {}", view,
-                                                          to_string(result.termination));
+    if (!is_converged(result.termination))
+      return fmt::format("{}: the registration did not converge: {}", view, to_string(result.termination));
+    // Their error is that of the set-up, and no uncertainty says so.
+    if (!result.undetermined.empty())
+      return fmt::format("{}: the points leave {} of 6 degrees of freedom undetermined", view,
+                         result.undetermined.size());
+    return "";
   }
 
   Outcome evaluate_case(const StudyCase& item, std::uint32_t number, const TrialScan& scan,

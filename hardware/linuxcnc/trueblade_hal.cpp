@@ -18,9 +18,11 @@
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <optional>
+#include <thread>
 
 #include "geometry/atomic_file.h"
 #include "hardware/bytes.h"
@@ -200,9 +202,7 @@ class Server {
     } else if (line == "alive") {
       alive_.set(life_ = !life_);
     } else if (line == "watch") {
-      alive_.set(life_ = !life_);
-      hold_.set(false);
-      watched_pin_.set(watched_ = true);
+      watch();
     } else if (line == "release") {
       watched_pin_.set(watched_ = false);
     } else if (line == "hold") {
@@ -216,6 +216,16 @@ class Server {
       driver_->program = {bytes, static_cast<std::uint32_t>(checksum)};
     }
     return true;
+  }
+
+  // A watchdog that has bitten bites on until its enable pin has been low for a servo period. The hold ends
+  // last.
+  void watch() {
+    watched_pin_.set(false);
+    std::this_thread::sleep_for(std::chrono::duration<double>(3.0 * options_.servo_period_s));
+    alive_.set(life_ = !life_);
+    watched_pin_.set(watched_ = true);
+    hold_.set(false);
   }
 
   bool store(const std::string& program, std::uint32_t checksum) {

@@ -219,6 +219,15 @@ TEST_F(StudyTest, StopsEarlyWhenEveryTrialFails) {
   EXPECT_NE(result.err.find("all of its first 100 trials failed"), std::string::npos) << result.err;
 }
 
+TEST_F(StudyTest, ATrialThatLeavesThePoseUndeterminedIsAFailure) {
+  write("plate.yaml",
+        "scenario: " TRUEBLADE_SOURCE_DIR
+        "/scenarios/failures/degenerate_part.yaml\ntrials: 3\nheadline: translation_error_mm\n");
+  const ChildResult result = run({"plate.yaml", "--out", "run"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("leave 3 of 6 degrees of freedom undetermined"), std::string::npos) << result.err;
+}
+
 TEST_F(StudyTest, RefusesResultsOfAnotherStudy) {
   ASSERT_EQ(run({"study.yaml", "--trials", "2", "--out", "run"}).exit_code, 0);
   write("other.yaml", std::string(kStudy) + "sweep: [{field: machine.lens.accuracy_mm, values: [0.005]}]\n");
