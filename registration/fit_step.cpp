@@ -145,12 +145,17 @@ StepFit least_median_fit(const Correspondences& c, std::span<const double> base,
 StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
                  const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
                  const std::optional<RejectionScale>& held_scale, std::span<double> weights) {
-  if (options.rule == RejectionRule::consistent_cut)
-    return consistent_fit(correspondences, base, {options, floor_mm, held_scale}, free, settled, weights);
+  if (options.rule == RejectionRule::consistent_cut && !held_scale)
+    return consistent_fit(correspondences, base, {options, floor_mm, std::nullopt}, free, settled, weights);
   if (options.rule == RejectionRule::least_median_of_squares)
     return least_median_fit(correspondences, base, options, free, floor_mm, weights);
   StepFit fit;
-  fit.scale = apply_rejection(options, correspondences.distance_mm, base, floor_mm, weights);
+  if (held_scale) {
+    fit.scale = *held_scale;
+    apply_cut(correspondences.distance_mm, base, held_scale->cut_mm, weights);
+  } else {
+    fit.scale = apply_rejection(options, correspondences.distance_mm, base, floor_mm, weights);
+  }
   fit.equations = normal_equations(correspondences, weights);
   fit.step_scaled = solve_step(fit.equations, free);
   return fit;

@@ -24,9 +24,10 @@ struct StepFit {
 // rejects more than 1 %, once from those that are near now; the start that leaves the lower truncated
 // objective wins. When the pose has `settled` (the last step was small against sigma) the present residuals
 // do tell the outliers apart, and the points that are near now are the only start. With a
-// `held_scale` the consistent cut takes that instead of the residuals' own. The least-median rule
-// takes the best of 200 steps through six random points each. Neither needs new closest points. The other
-// rules judge the residuals as they are.
+// `held_scale` the points within its cut now take part, and the step is theirs: then the truncated sum of
+// squares falls from step to step (a majorisation), and the iteration cannot go round in a circle. The
+// least-median rule takes the best of 200 steps through six random points each. Neither needs new closest
+// points. The other rules judge the residuals as they are.
 StepFit fit_step(const Correspondences& correspondences, std::span<const double> base,
                  const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
                  const std::optional<RejectionScale>& held_scale, std::span<double> weights);

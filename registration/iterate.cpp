@@ -14,6 +14,7 @@ constexpr int kHalvings = 10;  // a step a thousand times shorter than Gauss-New
 
 // Of sigma, 5 %: three standard errors of the 4,096 points that it is estimated from.
 constexpr double kScaleChange = 0.05;
+constexpr int kStepsWithNewScale = 20;  // most registrations end before
 
 // A step that was taken and is judged at the next look.
 struct Trial {
@@ -249,7 +250,8 @@ class Iteration {
 
   void take(const Trial& step) {
     trial_ = step;
-    if (options_.rejection.rule == RejectionRule::consistent_cut && state_.settled && !held_scale_)
+    const bool hold = state_.settled || ++steps_taken_ > kStepsWithNewScale;
+    if (options_.rejection.rule == RejectionRule::consistent_cut && hold && !held_scale_)
       held_scale_ = state_.fit.scale;
     const auto further = accelerator_.propose(step.from, step.to, step.rms_after_mm);
     state_.part_from_mcs = further.value_or(step.to);
@@ -268,6 +270,7 @@ class Iteration {
   std::optional<Trial> trial_;
   std::optional<double> previous_rms_mm_;
   double weighted_squares_at_from_ = 0.0;
+  int steps_taken_ = 0;
   std::optional<RejectionScale> held_scale_;  // while the iteration converges
 };
 
