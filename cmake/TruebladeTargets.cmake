@@ -45,5 +45,12 @@ function(trueblade_test NAME)
   # Real input lives beside the project and is not part of it; tests skip with a message where it is absent.
   target_compile_definitions(${NAME}_test PRIVATE TRUEBLADE_SOURCE_DIR="${PROJECT_SOURCE_DIR}"
                                                   TRUEBLADE_DATA_DIR="${PROJECT_SOURCE_DIR}/../shared/data")
-  gtest_discover_tests(${NAME}_test DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600)
+  if(TRUEBLADE_SANITIZE)
+    # Slow code: one process for the whole folder, so that a part that many tests share is built once.
+    add_test(NAME ${NAME}_test COMMAND ${NAME}_test)
+    set_tests_properties(${NAME}_test PROPERTIES TIMEOUT 1500
+      ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks_of_others.txt:print_suppressions=0")
+  else()
+    gtest_discover_tests(${NAME}_test DISCOVERY_TIMEOUT 120 PROPERTIES TIMEOUT 600)
+  endif()
 endfunction()
