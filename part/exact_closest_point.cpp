@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace trueblade {
 
@@ -37,12 +38,14 @@ class NearestFoot {
     const double agreement_mm = part_.chord_tolerance_mm + kTrimMarginMm;
     if (!foot.converged || std::abs(foot.distance_mm - on_facets_.distance_mm) > agreement_mm) return;
     const bool inside = foot.side == TrimSide::inside;
-    const bool nearer = !best_ || std::make_pair(!inside, foot.distance_mm) <
-                                      std::make_pair(!best_inside_, std::abs(best_->distance_mm));
-    if (!nearer) return;
+    // Beyond the border the foot is not on the face, and a surface that continues close to the query would
+    // win for nothing.
+    const auto merit = std::make_pair(
+        !inside, inside ? foot.distance_mm : std::abs(foot.distance_mm - on_facets_.distance_mm));
+    if (best_ && !(merit < best_merit_)) return;
+    best_merit_ = merit;
     const double sign = (query_mm_ - foot.foot.point_mm).dot(foot.foot.normal) < 0.0 ? -1.0 : 1.0;
     best_ = {foot.foot, sign * foot.distance_mm, surface};
-    best_inside_ = inside;
   }
 
   const std::optional<ExactClosestPoint>& result() const { return best_; }
@@ -52,7 +55,7 @@ class NearestFoot {
   const ClosestPoint& on_facets_;
   const Vec3& query_mm_;
   std::optional<ExactClosestPoint> best_;
-  bool best_inside_ = false;
+  std::pair<bool, double> best_merit_;     // less is better
   std::array<std::uint32_t, 16> tried_{};  // more surfaces than this do not meet at one facet's corners
   std::size_t tried_count_ = 0;
 };
