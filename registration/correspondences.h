@@ -66,6 +66,9 @@ class CorrespondenceFinder {
   // exist.
   CorrespondenceFinder(const RegistrationTarget& target, const RegistrationOptions& options,
                        const std::vector<Vec3>& position_mcs_mm, bool exact);
+  // All but the flag must outlive it.
+  CorrespondenceFinder(const RegistrationTarget& target, RegistrationOptions&& options,
+                       const std::vector<Vec3>& position_mcs_mm, bool exact) = delete;
 
   void find(const RigidTransform& part_from_mcs, const StepFrame& frame, Correspondences& result);
 

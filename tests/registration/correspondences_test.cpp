@@ -189,7 +189,8 @@ TEST(NodeSearch, CachesAnswerWithoutLosingTheSurface) {
   for (const CorrespondenceCache cache : {CorrespondenceCache::published, CorrespondenceCache::five_points}) {
     const auto options = by_node(ClosestPointSearch::nearest_node_walk, cache, {});
     CorrespondenceFinder cached(target, options, points, false);
-    CorrespondenceFinder exact(target, RegistrationOptions{}, points, false);
+    const RegistrationOptions exactly;
+    CorrespondenceFinder exact(target, exactly, points, false);
     Correspondences c, e;
     std::size_t right = 0, all = 0;
     for (int k = 0; k < 8; ++k) {
