@@ -186,6 +186,7 @@ class Builder {
       for (const Vec3& corner : corners) box.include(corner - tree_.centre_mm);
       if (lane < leaf.facets) tree_.place_of_facet[facet] = place;
     }
+    Eigen::Map<Vec3>(leaf.centre_mm) = tree_.centre_mm + 0.5 * (box.lower + box.upper);
     write_leaf(lanes, leaf);
     return box;
   }

@@ -1,8 +1,6 @@
 #include "geometry/facet_tree_leaf.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 // Highway compiles this file once for every instruction set and picks the machine's best at run time.
 #undef HWY_TARGET_INCLUDE
@@ -89,15 +87,6 @@ HWY_ATTR HWY_INLINE Double inverse_square(const Vector& edge) {
 HWY_ATTR void WriteLeaf(const LeafCorners& corners, FacetTreeLeaf& leaf) {
   const Doubles d;
   const auto zero = hn::Zero(d);
-  for (int axis = 0; axis < 3; ++axis) {
-    double lower = corners.a[axis][0], upper = lower;
-    for (const auto* corner : {corners.a[axis], corners.b[axis], corners.c[axis]})
-      for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {
-        lower = std::min(lower, corner[lane]);
-        upper = std::max(upper, corner[lane]);
-      }
-    leaf.centre_mm[axis] = 0.5 * (lower + upper);
-  }
   const Vector centre{hn::Set(d, leaf.centre_mm[0]), hn::Set(d, leaf.centre_mm[1]),
                       hn::Set(d, leaf.centre_mm[2])};
   auto radius_squared = zero;

@@ -13,7 +13,8 @@ struct alignas(64) LeafCorners {
   double a[3][kTreeWidth], b[3][kTreeWidth], c[3][kTreeWidth];
 };
 
-// Sets all of the leaf but `facets`, which is set already: unused places repeat the first facet.
+// Sets the frames and the radius of the leaf; `facets` and `centre_mm` are set already. Unused places repeat
+// the first facet.
 void write_leaf(const LeafCorners& corners, FacetTreeLeaf& leaf);
 
 }  // namespace trueblade

@@ -8,8 +8,8 @@ namespace {
 
 // Neighbours of white noise correlate to 1 / sqrt(n), 0.05 for 500 points; those of a misfit nearly fully.
 constexpr double kMisfitCorrelation = 0.5;
-// A misfit leaves residuals of the size of the error at the start. The square of this, one percent, is left
-// unexplained.
+// A misfit leaves distances of the size of those at the start; below a tenth of them the start has explained
+// what there was.
 constexpr double kMisfitShare = 0.1;
 // Starts lie these many times the first RMS distance away: a surface that is hit at an angle is nearer than
 // the displacement, and points on a wrong surface are nearer still.

@@ -42,32 +42,29 @@ struct Regression {
   std::vector<double> residual;
 };
 
-// The consistent cut at a scale of the residuals' own, or at one that is held.
-struct ConsistentCut {
-  const RejectionOptions& options;
-  double floor_mm;
-  std::optional<RejectionScale> held;
+// Applies the rule to the residuals: at a scale of their own, or at one that is held.
+RejectionScale select(const RejectionOptions& options, const std::optional<RejectionScale>& held,
+                      std::span<const double> residual_mm, std::span<const double> base, double floor_mm,
+                      std::span<double> weights) {
+  if (!held) return apply_rejection(options, residual_mm, base, floor_mm, weights);
+  apply_cut(residual_mm, base, held->cut_mm, weights);
+  return *held;
+}
 
-  RejectionScale apply(std::span<const double> residual_mm, std::span<const double> base,
-                       std::span<double> weights) const {
-    if (!held) return apply_rejection(options, residual_mm, base, floor_mm, weights);
-    apply_cut(residual_mm, base, held->cut_mm, weights);
-    return *held;
-  }
-};
-
-Regression concentrate(const Correspondences& c, std::span<const double> base, ConsistentCut cut,
-                       const FreeDirections& free, std::vector<double> start) {
+Regression concentrate(const Correspondences& c, std::span<const double> base,
+                       const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                       std::vector<double> start) {
   Regression r;
   r.weights = std::move(start);
   std::vector<double> next(r.weights.size());
+  std::optional<RejectionScale> held;
   for (int k = 1;; ++k) {
     r.fit.equations = normal_equations(c, r.weights);
     r.fit.step_scaled = solve_step(r.fit.equations, free);
     r.residual = residuals_after(c, r.fit.step_scaled);
-    r.fit.scale = cut.apply(r.residual, base, next);
+    r.fit.scale = select(options, held, r.residual, base, floor_mm, next);
     if (k == kConcentrationSteps || same_selection(r.weights, next)) return r;
-    if (k == kStepsWithNewCut) cut.held = r.fit.scale;
+    if (k == kStepsWithNewCut) held = r.fit.scale;
     r.weights.swap(next);
   }
 }
@@ -84,18 +81,18 @@ std::size_t selected(std::span<const double> weights) {
       std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0.0; }));
 }
 
-StepFit consistent_fit(const Correspondences& c, std::span<const double> base, const ConsistentCut& cut,
-                       const FreeDirections& free, bool settled, std::span<double> weights) {
+StepFit consistent_fit(const Correspondences& c, std::span<const double> base,
+                       const RejectionOptions& options, const FreeDirections& free, double floor_mm,
+                       bool settled, std::span<double> weights) {
   std::vector<double> near(base.size());
-  cut.apply(c.distance_mm, base, near);
-  Regression best = settled ? concentrate(c, base, cut, free, near)
-                            : concentrate(c, base, cut, free, {base.begin(), base.end()});
+  apply_rejection(options, c.distance_mm, base, floor_mm, near);
+  Regression best = settled ? concentrate(c, base, options, free, floor_mm, near)
+                            : concentrate(c, base, options, free, floor_mm, {base.begin(), base.end()});
   // Fewer than one in a hundred cannot have carried the other start away.
   if (!settled && 100 * selected(best.weights) < 99 * selected(base)) {
-    Regression other = concentrate(c, base, cut, free, std::move(near));
-    const double limit_mm = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
-    if (truncated_objective(other, base, limit_mm) < truncated_objective(best, base, limit_mm))
-      best = std::move(other);
+    Regression other = concentrate(c, base, options, free, floor_mm, std::move(near));
+    const double cut = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
+    if (truncated_objective(other, base, cut) < truncated_objective(best, base, cut)) best = std::move(other);
   }
   std::copy(best.weights.begin(), best.weights.end(), weights.begin());
   return best.fit;
@@ -146,16 +143,11 @@ StepFit fit_step(const Correspondences& correspondences, std::span<const double>
                  const RejectionOptions& options, const FreeDirections& free, double floor_mm, bool settled,
                  const std::optional<RejectionScale>& held_scale, std::span<double> weights) {
   if (options.rule == RejectionRule::consistent_cut && !held_scale)
-    return consistent_fit(correspondences, base, {options, floor_mm, std::nullopt}, free, settled, weights);
+    return consistent_fit(correspondences, base, options, free, floor_mm, settled, weights);
   if (options.rule == RejectionRule::least_median_of_squares)
     return least_median_fit(correspondences, base, options, free, floor_mm, weights);
   StepFit fit;
-  if (held_scale) {
-    fit.scale = *held_scale;
-    apply_cut(correspondences.distance_mm, base, held_scale->cut_mm, weights);
-  } else {
-    fit.scale = apply_rejection(options, correspondences.distance_mm, base, floor_mm, weights);
-  }
+  fit.scale = select(options, held_scale, correspondences.distance_mm, base, floor_mm, weights);
   fit.equations = normal_equations(correspondences, weights);
   fit.step_scaled = solve_step(fit.equations, free);
   return fit;

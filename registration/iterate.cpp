@@ -76,7 +76,7 @@ class Iteration {
       state_.settled =
           largest_motion_mm(*step) <= options_.sampling.until_step_sigma * state_.fit.scale.sigma_mm;
       const bool near = goal == IterationGoal::near_the_minimum && state_.settled;
-      if (near || (reason && !more_is_undetermined() && !scale_is_out_of_date())) {
+      if (near || (reason && !more_is_undetermined() && !released_an_old_scale())) {
         state_.part_from_mcs = step->to;  // by the criterion it hardly differs
         return reason;
       }
@@ -240,17 +240,19 @@ class Iteration {
 
   // A scale that follows every step can lead the selection round in a circle of poses. Near the minimum it is
   // therefore held, and estimated again when the iteration has converged with it.
-  bool scale_is_out_of_date() {
+  bool released_an_old_scale() {
+    if (!held_scale_) return false;
     const double sigma_mm =
         std::max(consistent_sigma_mm(correspondences().distance_mm, state_.base), problem_.floor_mm);
-    const bool changed = held_scale_ && std::abs(sigma_mm - held_scale_->sigma_mm) > kScaleChange * sigma_mm;
-    if (changed) held_scale_.reset();
-    return changed;
+    if (std::abs(sigma_mm - held_scale_->sigma_mm) <= kScaleChange * sigma_mm) return false;
+    held_scale_.reset();
+    return true;
   }
 
   void take(const Trial& step) {
     trial_ = step;
-    const bool hold = state_.settled || ++steps_taken_ > kStepsWithNewScale;
+    if (!state_.settled) ++unsettled_steps_;
+    const bool hold = state_.settled || unsettled_steps_ > kStepsWithNewScale;
     if (options_.rejection.rule == RejectionRule::consistent_cut && hold && !held_scale_)
       held_scale_ = state_.fit.scale;
     const auto further = accelerator_.propose(step.from, step.to, step.rms_after_mm);
@@ -270,7 +272,7 @@ class Iteration {
   std::optional<Trial> trial_;
   std::optional<double> previous_rms_mm_;
   double weighted_squares_at_from_ = 0.0;
-  int steps_taken_ = 0;
+  int unsettled_steps_ = 0;
   std::optional<RejectionScale> held_scale_;  // while the iteration converges
 };
 

@@ -223,8 +223,8 @@ TEST_F(StudyTest, StopsEarlyWhenEveryTrialFails) {
 TEST_F(StudyTest, ATrialThatLeavesThePoseUndeterminedIsAFailure) {
   write("plate.yaml",
         "scenario: " TRUEBLADE_SOURCE_DIR
-        "/scenarios/failures/degenerate_part.yaml\ntrials: 3\nheadline: translation_error_mm\n");
-  const ChildResult result = run({"plate.yaml", "--trials", "100", "--out", "run"});
+        "/scenarios/failures/degenerate_part.yaml\ntrials: 100\nheadline: translation_error_mm\n");
+  const ChildResult result = run({"plate.yaml", "--out", "run"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("leave 3 of 6 degrees of freedom undetermined"), std::string::npos) << result.err;
 }
