@@ -17,26 +17,42 @@ struct Keyed {
   std::uint32_t key, point;
 };
 
-// Position of a cell along the curve: Skilling's transform, then the axes' bits interleaved.
-std::uint32_t hilbert_key(std::array<std::uint32_t, 3> cell) {
-  for (std::uint32_t bit = 1U << (kBits - 1); bit > 1; bit >>= 1) {
-    const std::uint32_t below = bit - 1;
-    for (std::uint32_t& axis : cell) {
-      // Bit set: invert the first axis below it; clear: exchange both there.
-      const std::uint32_t set = axis & bit ? below : 0;
-      const std::uint32_t exchanged = (cell[0] ^ axis) & below & ~set;
-      cell[0] ^= set | exchanged;
-      axis ^= exchanged;
-    }
-  }
-  cell[1] ^= cell[0];
-  cell[2] ^= cell[1];
-  std::uint32_t gray = 0;
+// Several cells beside one another, so that the compiler makes vectors of them.
+constexpr std::size_t kLanes = 16;
+using Lanes = std::array<std::uint32_t, kLanes>;
+
+// The lower ten bits of x, each two places apart from the next.
+std::uint32_t spread(std::uint32_t x) {
+  x = (x | x << 16) & 0x030000FFU;
+  x = (x | x << 8) & 0x0300F00FU;
+  x = (x | x << 4) & 0x030C30C3U;
+  return (x | x << 2) & 0x09249249U;
+}
+
+// Positions of cells along the curve: Skilling's transform, then the axes' bits interleaved.
+Lanes hilbert_keys(Lanes x, Lanes y, Lanes z) {
+  // Where an axis has the bit set, the first axis is inverted below it; else the two are exchanged there.
+  const auto turn = [](std::uint32_t& first, std::uint32_t& axis, std::uint32_t bit) {
+    const std::uint32_t below = bit - 1, set = axis & bit ? below : 0;
+    const std::uint32_t exchanged = (first ^ axis) & (below ^ set);
+    first ^= set | exchanged;
+    axis ^= exchanged;
+  };
+  Lanes gray{}, key;
   for (std::uint32_t bit = 1U << (kBits - 1); bit > 1; bit >>= 1)
-    if (cell[2] & bit) gray ^= bit - 1;
-  std::uint32_t key = 0;
-  for (int bit = kBits - 1; bit >= 0; --bit)
-    for (const std::uint32_t axis : cell) key = key << 1 | ((axis ^ gray) >> bit & 1U);
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      x[k] ^= x[k] & bit ? bit - 1 : 0;
+      turn(x[k], y[k], bit);
+      turn(x[k], z[k], bit);
+    }
+  for (std::size_t k = 0; k < kLanes; ++k) {
+    y[k] ^= x[k];
+    z[k] ^= y[k];
+  }
+  for (std::uint32_t bit = 1U << (kBits - 1); bit > 1; bit >>= 1)
+    for (std::size_t k = 0; k < kLanes; ++k) gray[k] ^= z[k] & bit ? bit - 1 : 0;
+  for (std::size_t k = 0; k < kLanes; ++k)
+    key[k] = spread(x[k] ^ gray[k]) << 2 | spread(y[k] ^ gray[k]) << 1 | spread(z[k] ^ gray[k]);
   return key;
 }
 
@@ -65,13 +81,19 @@ std::vector<std::uint32_t> spatial_order(std::span<const Vec3> points_mm) {
 
   std::vector<Keyed> keyed(points_mm.size()), sorted(points_mm.size());
   parallel_for_blocks(points_mm.size(), kBlock, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      std::array<std::uint32_t, 3> cell{};
-      if (points_mm[i].allFinite())
+    for (std::size_t first = begin; first < end; first += kLanes) {
+      const std::size_t count = std::min(kLanes, end - first);
+      std::array<Lanes, 3> cell{};
+      for (std::size_t k = 0; k < count; ++k) {
+        const Vec3& point = points_mm[first + k];
+        if (!point.allFinite()) continue;
         for (int axis = 0; axis < 3; ++axis)
-          cell[axis] = static_cast<std::uint32_t>((0.5 * points_mm[i][axis] - 0.5 * lower[axis]) * 2.0 *
-                                                  cells_per_half);
-      keyed[i] = {hilbert_key(cell), static_cast<std::uint32_t>(i)};
+          cell[axis][k] =
+              static_cast<std::uint32_t>((0.5 * point[axis] - 0.5 * lower[axis]) * 2.0 * cells_per_half);
+      }
+      const Lanes key = hilbert_keys(cell[0], cell[1], cell[2]);
+      for (std::size_t k = 0; k < count; ++k)
+        keyed[first + k] = {key[k], static_cast<std::uint32_t>(first + k)};
     }
   });
   for (int shift = 0; shift < 3 * kBits; shift += kBits) {

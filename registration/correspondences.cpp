@@ -109,6 +109,7 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
       break;
   }
 
+  const double per_radius = 1.0 / result.frame.radius_mm;
   for (std::size_t i = begin; i < end; ++i) {
     const Vec3& x = result.point_part_mm[i];
     ClosestPoint& foot = result.closest[i];
@@ -118,12 +119,13 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
       foot.distance_mm = std::abs(exact->distance_mm);
     }
     result.is_exact[i] = exact.has_value();
-    const Vec3 n = foot.distance_mm > kDirectionDistance_mm ? Vec3((x - foot.point_mm) / foot.distance_mm)
-                   : exact                                  ? exact->foot.normal
-                                                            : target_.model().facet_normal(foot.facet);
+    const Vec3 n = foot.distance_mm > kDirectionDistance_mm
+                       ? Vec3((x - foot.point_mm) * (1.0 / foot.distance_mm))
+                   : exact ? exact->foot.normal
+                           : target_.model().facet_normal(foot.facet);
     result.distance_mm[i] = n.dot(x - foot.point_mm);
     auto column = result.jacobian.col(static_cast<Eigen::Index>(i));
-    column.head<3>() = (x - result.frame.pivot_part_mm).cross(n) / result.frame.radius_mm;
+    column.head<3>() = (x - result.frame.pivot_part_mm).cross(n) * per_radius;
     column.tail<3>() = n;
     result.eligible[i] = is_eligible(foot);
   }

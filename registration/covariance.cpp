@@ -3,13 +3,13 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "geometry/parallel.h"
+#include "registration/normal_equations.h"
 
 namespace trueblade {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
 constexpr double kPi = 3.14159265358979323846;
 
 double normal_density(double x) {
@@ -30,47 +30,25 @@ Truncation truncation_at(double k) {
   return t;
 }
 
-struct Moments {
-  Mat6 hessian = Mat6::Zero();  // sum w J J'
-  Mat6 noise = Mat6::Zero();    // sum w^2 v J J'
-  double squares = 0.0;         // sum of squared residuals in the noise model's unit weight
-  double count = 0.0;
-  Moments& operator+=(const Moments& other) {
-    hessian += other.hessian;
-    noise += other.noise;
-    squares += other.squares;
-    count += other.count;
-    return *this;
+// Weights of the points in sum w^2 v J J', the matrix of the noise that they carry into the gradient.
+std::vector<double> noise_weights(const Correspondences& c, std::span<const double> bread,
+                                  std::span<const double> weights, NoiseModel model) {
+  std::vector<double> noise(bread.begin(), bread.end());
+  for (std::size_t i = 0; i < noise.size(); ++i) {
+    if (model == NoiseModel::equal) noise[i] *= bread[i];
+    if (model == NoiseModel::from_residuals)
+      noise[i] = bread[i] == 0.0 ? 0.0 : weights[i] * weights[i] * c.distance_mm[i] * c.distance_mm[i];
   }
-};
+  return noise;
+}
 
-// `bread` are the weights of H, `weights` those of the residuals that take part.
-Moments moments_of(const Correspondences& c, std::span<const double> bread, std::span<const double> weights,
-                   NoiseModel model) {
-  return ordered_sum(c.size(), kBlock, Moments{}, [&](std::size_t begin, std::size_t end) {
-    Moments sum;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (bread[i] == 0.0) continue;
-      const double w = bread[i], d2 = c.distance_mm[i] * c.distance_mm[i];
-      const Vec6 j = c.jacobian.col(static_cast<Eigen::Index>(i));
-      const Mat6 outer = j * j.transpose();
-      sum.hessian += w * outer;
-      switch (model) {
-        case NoiseModel::equal:
-          sum.noise += w * w * outer;
-          break;
-        case NoiseModel::inverse_to_weight:
-          sum.noise += w * outer;
-          break;
-        case NoiseModel::from_residuals:
-          sum.noise += weights[i] * weights[i] * d2 * outer;
-          break;
-      }
-      sum.squares += model == NoiseModel::inverse_to_weight ? w * d2 : d2;
-      sum.count += 1.0;
-    }
-    return sum;
-  });
+// Sum of squared residuals in the noise model's unit weight.
+double sum_of_squares(const Correspondences& c, std::span<const double> bread, NoiseModel model) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < bread.size(); ++i)
+    if (bread[i] != 0.0)
+      sum += (model == NoiseModel::inverse_to_weight ? bread[i] : 1.0) * c.distance_mm[i] * c.distance_mm[i];
+  return sum;
 }
 
 // Means over the points with weight of a redescending influence function and of its derivative, residuals in
@@ -129,12 +107,16 @@ PoseCovariance pose_covariance(const Correspondences& correspondences, std::span
   const bool redescending =
       options.rejection.rule == RejectionRule::tukey || options.rejection.rule == RejectionRule::welsch;
   const NoiseModel model = options.covariance.noise;
-  const Moments m = moments_of(correspondences, redescending ? base : weights, weights, model);
-  const double freedom = m.count - static_cast<double>(determined.cols());
+  const std::span<const double> bread = redescending ? base : weights;
+  const NormalEquations equations = normal_equations(correspondences, bread);
+  const double count = static_cast<double>(equations.count);
+  const double freedom = count - static_cast<double>(determined.cols());
   if (!(freedom > 0.0)) return result;
 
   const double estimate =
-      redescending ? scale.sigma_mm : untruncated_sigma_mm(std::sqrt(m.squares / freedom), scale.cut_mm);
+      redescending ? scale.sigma_mm
+                   : untruncated_sigma_mm(std::sqrt(sum_of_squares(correspondences, bread, model) / freedom),
+                                          scale.cut_mm);
   result.sigma_estimated = !options.covariance.sigma_mm.has_value();
   result.sigma_mm = options.covariance.sigma_mm.value_or(estimate);
 
@@ -150,10 +132,12 @@ PoseCovariance pose_covariance(const Correspondences& correspondences, std::span
     slope = t.second / t.inside;
     variance = 1.0 / slope;
   }
-  const Mat6 inverse = inverse_within(m.hessian, determined);
-  const Mat6 sandwich = inverse * m.noise * inverse;
+  const Mat6 inverse = inverse_within(equations.hessian, determined);
+  const Mat6 noise =
+      normal_equations(correspondences, noise_weights(correspondences, bread, weights, model)).hessian;
+  const Mat6 sandwich = inverse * noise * inverse;
   result.scaled = model == NoiseModel::from_residuals
-                      ? Mat6(m.count / freedom / (slope * slope) * sandwich)
+                      ? Mat6(count / freedom / (slope * slope) * sandwich)
                       : Mat6(result.sigma_mm * result.sigma_mm * variance * sandwich);
   return result;
 }

@@ -36,6 +36,11 @@ bool same_selection(std::span<const double> a, std::span<const double> b) {
   return true;
 }
 
+std::size_t selected(std::span<const double> weights) {
+  return static_cast<std::size_t>(
+      std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0.0; }));
+}
+
 struct Regression {
   StepFit fit;
   std::vector<double> weights;  // those of fit.equations
@@ -51,20 +56,35 @@ RejectionScale select(const RejectionOptions& options, const std::optional<Rejec
   return *held;
 }
 
+// The equations with the weights `next` in place of `now`, by the points alone that come or go. Those lie
+// near the cut, as all others do: nothing large is added and taken away again.
+void exchange_points(const Correspondences& c, std::span<const double> now, std::span<const double> next,
+                     NormalEquations& equations) {
+  std::vector<double> change(now.size());
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] = next[i] - now[i];
+  equations += normal_equations(c, change);
+  equations.count = selected(next);
+}
+
 Regression concentrate(const Correspondences& c, std::span<const double> base,
                        const RejectionOptions& options, const FreeDirections& free, double floor_mm,
-                       std::vector<double> start) {
+                       bool settled, std::vector<double> start) {
   Regression r;
   r.weights = std::move(start);
   std::vector<double> next(r.weights.size());
   std::optional<RejectionScale> held;
+  r.fit.equations = normal_equations(c, r.weights);
   for (int k = 1;; ++k) {
-    r.fit.equations = normal_equations(c, r.weights);
     r.fit.step_scaled = solve_step(r.fit.equations, free);
     r.residual = residuals_after(c, r.fit.step_scaled);
     r.fit.scale = select(options, held, r.residual, base, floor_mm, next);
     if (k == kConcentrationSteps || same_selection(r.weights, next)) return r;
     if (k == kStepsWithNewCut) held = r.fit.scale;
+    if (settled) {
+      exchange_points(c, r.weights, next, r.fit.equations);
+    } else {
+      r.fit.equations = normal_equations(c, next);
+    }
     r.weights.swap(next);
   }
 }
@@ -76,21 +96,16 @@ double truncated_objective(const Regression& r, std::span<const double> base, do
   return sum;
 }
 
-std::size_t selected(std::span<const double> weights) {
-  return static_cast<std::size_t>(
-      std::count_if(weights.begin(), weights.end(), [](double w) { return w > 0.0; }));
-}
-
 StepFit consistent_fit(const Correspondences& c, std::span<const double> base,
                        const RejectionOptions& options, const FreeDirections& free, double floor_mm,
                        bool settled, std::span<double> weights) {
   std::vector<double> near(base.size());
   apply_rejection(options, c.distance_mm, base, floor_mm, near);
-  Regression best = settled ? concentrate(c, base, options, free, floor_mm, near)
-                            : concentrate(c, base, options, free, floor_mm, {base.begin(), base.end()});
+  Regression best = concentrate(c, base, options, free, floor_mm, settled,
+                                settled ? near : std::vector<double>(base.begin(), base.end()));
   // Fewer than one in a hundred cannot have carried the other start away.
   if (!settled && 100 * selected(best.weights) < 99 * selected(base)) {
-    Regression other = concentrate(c, base, options, free, floor_mm, std::move(near));
+    Regression other = concentrate(c, base, options, free, floor_mm, settled, std::move(near));
     const double cut = std::min(best.fit.scale.cut_mm, other.fit.scale.cut_mm);
     if (truncated_objective(other, base, cut) < truncated_objective(best, base, cut)) best = std::move(other);
   }

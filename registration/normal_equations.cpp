@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "geometry/parallel.h"
+#include "registration/weighted_products.h"
 
 namespace trueblade {
 namespace {
@@ -12,27 +13,20 @@ constexpr std::size_t kBlock = 4096;
 
 NormalEquations block_equations(const Correspondences& c, std::span<const double> weights, std::size_t begin,
                                 std::size_t end) {
-  NormalEquations sum;
-  double h[21] = {};
-  for (std::size_t i = begin; i < end; ++i) {
-    const double w = weights[i];
-    if (w == 0.0) continue;
-    const double d = c.distance_mm[i];
-    const double* j = c.jacobian.data() + 6 * i;
-    std::size_t k = 0;
-    for (int row = 0; row < 6; ++row) {
-      const double wj = w * j[row];
-      for (int column = row; column < 6; ++column) h[k++] += wj * j[column];
-      sum.gradient[row] += wj * d;
-    }
-    sum.weighted_squares += w * d * d;
-    sum.weight += w;
-    ++sum.count;
+  const WeightedProducts sums = weighted_products(c.jacobian.data() + 6 * begin, c.distance_mm.data() + begin,
+                                                  weights.data() + begin, end - begin);
+  NormalEquations equations;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column)
+      equations.hessian(row, column) = equations.hessian(column, row) = sums.product[row][column];
+    equations.gradient[row] = sums.product[row][6];
   }
-  std::size_t k = 0;
-  for (int row = 0; row < 6; ++row)
-    for (int column = row; column < 6; ++column) sum.hessian(row, column) = sum.hessian(column, row) = h[k++];
-  return sum;
+  equations.weighted_squares = sums.product[6][6];
+  for (std::size_t i = begin; i < end; ++i) {
+    equations.weight += weights[i];
+    equations.count += weights[i] != 0.0;
+  }
+  return equations;
 }
 
 }  // namespace

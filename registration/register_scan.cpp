@@ -140,6 +140,7 @@ RegistrationResult register_scan(const RegistrationTarget& target, const ScanPoi
   options.validate();
   const WorkingScan all = prepare_scan(scan, options.weights);
   const ScanExtent extent = extent_of(all);
+  check_not_collinear(extent);
   check_near(target.model(), extent, initial_part_from_mcs);
   RegistrationProblem problem{target, options, LockedMotion(options.lock, initial_part_from_mcs), extent,
                               rounding_floor_mm(target.model(), extent, initial_part_from_mcs)};

@@ -25,41 +25,28 @@ void check_points(const ScanPoints& scan) {
   }
 }
 
-void check_not_collinear(const WorkingScan& scan, const ScanExtent& extent) {
-  Mat3 moment = Mat3::Zero();
-  for (std::size_t i = 0; i < scan.size(); ++i) {
-    const Vec3 p = scan.position_mcs_mm[i] - extent.centroid_mcs_mm;
-    moment += scan.weight[i] * p * p.transpose();
-  }
-  const Vec3 spread = Eigen::SelfAdjointEigenSolver<Mat3>(moment, Eigen::EigenvaluesOnly).eigenvalues();
-  // 1e-12 in the square is one millionth of the extent: a hundred times the rounding of coordinates that are
-  // ten times as large as the extent.
-  if (!(spread[1] > 1e-12 * spread[2]))
-    throw InputError("the scan points lie on one line; at least three non-collinear points are needed");
-}
-
 }  // namespace
 
 WorkingScan prepare_scan(const ScanPoints& scan, const WeightOptions& options) {
   check_points(scan);
   const bool weighted = options.source == WeightSource::snr && !scan.snr.empty();
   WorkingScan result;
-  result.position_mcs_mm.reserve(scan.size());
-  result.weight.reserve(scan.size());
-  result.scan_index.reserve(scan.size());
-  for (const std::uint32_t i : spatial_order(scan.position_mcs_mm)) {
-    const double weight = weighted ? scan.snr[i] : 1.0;
-    const bool dropped = !scan.snr.empty() && scan.snr[i] < options.minimum_snr;
-    if (dropped || weight == 0.0) continue;
-    result.position_mcs_mm.push_back(scan.position_mcs_mm[i]);
-    result.weight.push_back(weight);
-    result.scan_index.push_back(i);
+  result.scan_index = spatial_order(scan.position_mcs_mm);
+  if (!scan.snr.empty())
+    std::erase_if(result.scan_index, [&](std::uint32_t i) {
+      return scan.snr[i] < options.minimum_snr || (weighted && scan.snr[i] == 0.0);
+    });
+  const std::size_t count = result.scan_index.size();
+  result.position_mcs_mm.resize(count);
+  result.weight.assign(count, 1.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    result.position_mcs_mm[k] = scan.position_mcs_mm[result.scan_index[k]];
+    if (weighted) result.weight[k] = scan.snr[result.scan_index[k]];
   }
   if (result.size() < 3)
     throw InputError(
         fmt::format("{} of {} scan points have weight at weights.minimum_snr {}; at least three are needed",
                     result.size(), scan.size(), options.minimum_snr));
-  check_not_collinear(result, extent_of(result));
   return result;
 }
 
@@ -76,21 +63,39 @@ WorkingScan even_subsample(const WorkingScan& scan, std::size_t count) {
 }
 
 ScanExtent extent_of(const WorkingScan& scan) {
-  ScanExtent extent{Vec3::Zero(), 0.0, 0.0};
+  ScanExtent extent;
   double weight = 0.0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
     extent.centroid_mcs_mm += scan.weight[i] * scan.position_mcs_mm[i];
     weight += scan.weight[i];
   }
   extent.centroid_mcs_mm /= weight;
+  double xx = 0.0, xy = 0.0, xz = 0.0, yy = 0.0, yz = 0.0, zz = 0.0, largest = 0.0;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    const double squared = (scan.position_mcs_mm[i] - extent.centroid_mcs_mm).squaredNorm();
-    extent.radius_mm += scan.weight[i] * squared;
-    extent.maximum_radius_mm = std::max(extent.maximum_radius_mm, squared);
+    const Vec3 p = scan.position_mcs_mm[i] - extent.centroid_mcs_mm;
+    const Vec3 wp = scan.weight[i] * p;
+    xx += wp.x() * p.x();
+    xy += wp.x() * p.y();
+    xz += wp.x() * p.z();
+    yy += wp.y() * p.y();
+    yz += wp.y() * p.z();
+    zz += wp.z() * p.z();
+    largest = std::max(largest, p.squaredNorm());
   }
-  extent.radius_mm = std::sqrt(extent.radius_mm / weight);
-  extent.maximum_radius_mm = std::sqrt(extent.maximum_radius_mm);
+  extent.moment_mm2 << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  extent.moment_mm2 /= weight;
+  extent.radius_mm = std::sqrt(extent.moment_mm2.trace());
+  extent.maximum_radius_mm = std::sqrt(largest);
   return extent;
+}
+
+void check_not_collinear(const ScanExtent& extent) {
+  const Vec3 spread =
+      Eigen::SelfAdjointEigenSolver<Mat3>(extent.moment_mm2, Eigen::EigenvaluesOnly).eigenvalues();
+  // 1e-12 in the square is one millionth of the extent: a hundred times the rounding of coordinates that are
+  // ten times as large as the extent.
+  if (!(spread[1] > 1e-12 * spread[2]))
+    throw InputError("the scan points lie on one line; at least three non-collinear points are needed");
 }
 
 }  // namespace trueblade

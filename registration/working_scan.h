@@ -19,7 +19,7 @@ struct WorkingScan {
 };
 
 // Throws InputError for positions that are not finite, SNR out of [0, 1] or not one per point, and when the
-// filter leaves fewer than three non-collinear points with weight.
+// filter leaves fewer than three points with weight.
 WorkingScan prepare_scan(const ScanPoints& scan, const WeightOptions& options);
 
 // About `count` points, every n-th in spatial order: as even over the scan as the scan itself.
@@ -27,10 +27,14 @@ WorkingScan even_subsample(const WorkingScan& scan, std::size_t count);
 
 // Weighted centroid in MCS and the extent about it.
 struct ScanExtent {
-  Vec3 centroid_mcs_mm;
-  double radius_mm;          // root mean square distance from the centroid, weighted
-  double maximum_radius_mm;  // largest distance from the centroid
+  Vec3 centroid_mcs_mm = Vec3::Zero();
+  Mat3 moment_mm2 = Mat3::Zero();  // mean of p p', p from the centroid
+  double radius_mm = 0.0;          // root mean square distance from the centroid, weighted
+  double maximum_radius_mm = 0.0;  // largest distance from the centroid
 };
 ScanExtent extent_of(const WorkingScan& scan);
+
+// Throws InputError when the points lie on one line.
+void check_not_collinear(const ScanExtent& extent);
 
 }  // namespace trueblade
