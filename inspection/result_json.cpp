@@ -15,6 +15,8 @@ Json cross_check_json(const CrossCheck& check) {
           {"rotation_difference_rad", number_json(check.rotation_difference_rad)},
           {"centroid_difference_mm", number_json(check.centroid_difference_mm)},
           {"covariance_relative_difference", number_json(check.covariance_relative_difference)},
+          {"closed_form_rotation_difference_rad", number_json(check.closed_form_rotation_difference_rad)},
+          {"closed_form_difference_mm", number_json(check.closed_form_difference_mm)},
           {"summary", check.summary}};
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "geometry/parallel.h"
 #include "part/exact_closest_point.h"
+#include "registration/closed_form.h"
 #include "registration/rotation_jacobian.h"
 
 namespace trueblade {
@@ -159,6 +161,19 @@ Eigen::MatrixXd ceres_covariance(ceres::Problem& problem, const double* along, E
   return result;
 }
 
+void check_closed_form(const RegistrationClaim& claim, CrossCheck& check) {
+  const RigidTransform ours =
+      absolute_orientation_by_quaternion(claim.position_mcs_mm, claim.closest_part_mm, claim.weights);
+  const RigidTransform theirs = absolute_orientation_by_ceres(claim.position_mcs_mm, claim.closest_part_mm,
+                                                              claim.weights, claim.part_from_mcs);
+  check.closed_form_rotation_difference_rad = rotation_angle_between(ours, theirs);
+  for (std::size_t i = 0; i < claim.weights.size(); ++i)
+    if (claim.weights[i] > 0.0)
+      check.closed_form_difference_mm =
+          std::max(check.closed_form_difference_mm,
+                   (ours * claim.position_mcs_mm[i] - theirs * claim.position_mcs_mm[i]).norm());
+}
+
 }  // namespace
 
 RigidTransform absolute_orientation_by_ceres(std::span<const Vec3> measured_mm,
@@ -212,12 +227,16 @@ CrossCheck cross_check_registration(const RegistrationClaim& claim) {
   check.covariance_relative_difference =
       (theirs.diagonal() - ours.diagonal()).cwiseQuotient(ours.diagonal()).cwiseAbs().maxCoeff();
   const bool same_pose = uncertainties < 0.1 || along.norm() < 1e-9;
-  check.agrees = same_pose && check.covariance_relative_difference < 0.02;
+  check_closed_form(claim, check);
+  const bool same_closed_form =
+      check.closed_form_rotation_difference_rad < 1e-10 && check.closed_form_difference_mm < 1e-9;
+  check.agrees = same_pose && check.covariance_relative_difference < 0.02 && same_closed_form;
   check.summary = fmt::format(
       "{}: rotation differs by {:.3g} rad, centroid by {:.3g} mm ({:.3g} standard uncertainties), variances "
-      "by {:.2g} %",
+      "by {:.2g} %; closed form by {:.2g} rad, {:.2g} mm",
       check.agrees ? "agrees" : "disagrees", check.rotation_difference_rad, check.centroid_difference_mm,
-      uncertainties, 100.0 * check.covariance_relative_difference);
+      uncertainties, 100.0 * check.covariance_relative_difference, check.closed_form_rotation_difference_rad,
+      check.closed_form_difference_mm);
   return check;
 }
 

@@ -22,7 +22,8 @@ struct RegistrationClaim {
   const RegistrationTarget& target;
   bool exact;  // distances from the CAD surfaces where there are any, else from the facets
   std::span<const Vec3> position_mcs_mm;
-  std::span<const double> weights;  // after rejection, 0 for outliers
+  std::span<const Vec3> closest_part_mm;  // at that pose, one per position
+  std::span<const double> weights;        // after rejection, 0 for outliers
   RigidTransform part_from_mcs;
   StepFrame frame;            // at that pose
   FreeDirections determined;  // scaled tangent, the directions that could move
@@ -35,6 +36,8 @@ struct RegistrationClaim {
 // with Ceres's. They agree when the poses differ by less than a tenth of the pose's standard uncertainty (or
 // 1e-9 mm, for noise-free scans) and the variances by less than 2 %: the closest features, and with them the
 // normals, may differ between two poses a tenth of an uncertainty apart.
+// The same point pairs also go through the closed form and through Ceres, which must agree to 1e-10 rad and
+// 1e-9 mm. Throws InputError when the points with weight lie on one line.
 CrossCheck cross_check_registration(const RegistrationClaim& claim);
 
 }  // namespace trueblade

@@ -111,9 +111,13 @@ RegistrationResult report(const WorkingScan& scan, std::size_t scan_size, const 
 
 CrossCheck cross_check_of(const RegistrationProblem& problem, const WorkingScan& scan,
                           const RegistrationState& state, const PoseCovariance& covariance) {
+  std::vector<Vec3> closest_part_mm;
+  for (const ClosestPoint& closest : state.correspondences.closest)
+    closest_part_mm.push_back(closest.point_mm);
   return cross_check_registration({problem.target, uses_exact_surfaces(problem), scan.position_mcs_mm,
-                                   state.weights, state.part_from_mcs, state.correspondences.frame,
-                                   state.determined, covariance.scaled, state.fit.equations.hessian});
+                                   closest_part_mm, state.weights, state.part_from_mcs,
+                                   state.correspondences.frame, state.determined, covariance.scaled,
+                                   state.fit.equations.hessian});
 }
 
 // Subsamples near the minimum first, each at most half of what follows it; the facets before the CAD

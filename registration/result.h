@@ -36,11 +36,14 @@ struct UndeterminedDirection {
   std::string words;  // "rotation about an axis through ... along ...", "translation along ..."
 };
 
-// An independent answer to the same problem by Ceres.
+// Independent answers by Ceres to the same problems: the registration and the covariance at its end, and the
+// closed form of the absolute orientation on the last correspondences.
 struct CrossCheck {
   double rotation_difference_rad;
   double centroid_difference_mm;
   double covariance_relative_difference;  // largest over the diagonal
+  double closed_form_rotation_difference_rad;
+  double closed_form_difference_mm;  // largest over the points with weight
   std::string summary;
   bool agrees;
 };

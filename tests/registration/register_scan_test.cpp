@@ -273,6 +273,8 @@ TEST(RegisterScan, CrossCheckByCeresAgrees) {
   const auto result = register_scan(target, c.scan, c.start(0.5, 0.5 * kDegree), options);
   ASSERT_TRUE(result.cross_check);
   EXPECT_TRUE(result.cross_check->agrees) << result.cross_check->summary;
+  EXPECT_LT(result.cross_check->closed_form_rotation_difference_rad, 1e-10);
+  EXPECT_LT(result.cross_check->closed_form_difference_mm, 1e-9);
 
   // A pose that is not the minimum must be found out.
   options.termination.maximum_iterations = 1;
