@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <cmath>
+
 #include "part/exact_closest_point.h"
 #include "part/formed_part.h"
 #include "part/turbine_blade.h"
@@ -28,6 +30,15 @@ std::vector<Vec3> points_on_surfaces(const Part& part, const ClosestPointTree& t
   return points;
 }
 
+double rms_mm(const ClosestPointTree& tree, const ScanPoints& scan, const RigidTransform& part_from_mcs) {
+  double squares = 0.0;
+  for (const Vec3& p : scan.position_mcs_mm) {
+    const double distance = tree.query(part_from_mcs * p).distance_mm;
+    squares += distance * distance;
+  }
+  return std::sqrt(squares / static_cast<double>(scan.size()));
+}
+
 void compare(const std::string& name, const RegistrationTarget& target, std::size_t count, const Vec3& view) {
   const RigidTransform truth = shapes::some_pose();
   const auto points = points_on_surfaces(target.part(), target.tree(), count, view);
@@ -36,7 +47,7 @@ void compare(const std::string& name, const RegistrationTarget& target, std::siz
   const auto results = compare_variants(target, scan, start, truth);
   fmt::print("### {}: {} surfaces, {} facets, {} points, RMS before {:.3f} mm\n\n{}\n", name,
              target.part().surfaces.size(), target.model().facet_count(), scan.size(),
-             results.front().result.initial_rms_mm, variants_table(results));
+             rms_mm(target.tree(), scan, start), variants_table(results));
   std::fflush(stdout);
 }
 
