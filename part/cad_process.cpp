@@ -25,7 +25,6 @@ namespace trueblade {
 
 namespace {
 
-constexpr rlim_t kLongestReading_s = 600;
 constexpr int kRefused = 2;  // exit code of a child that leaves a message instead of a shape
 
 // A file in memory that parent and child share.
@@ -109,14 +108,22 @@ CadShape shape_from(const std::string& bytes) {
   return cad;
 }
 
-[[noreturn]] void be_the_child(const SharedFile& result, pid_t parent,
+// A damaged file can lead the kernel round in a circle for ever. A sound one of 1 MB takes it about 3 s on a
+// desktop computer of 2020; ten times that, and half a minute for what does not depend on the size.
+rlim_t longest_reading_s(const std::filesystem::path& file) {
+  std::error_code unknown;
+  const std::uintmax_t bytes = std::filesystem::file_size(file, unknown);
+  return 30 + (unknown ? 0 : 30 * bytes / 1000000);
+}
+
+[[noreturn]] void be_the_child(const SharedFile& result, pid_t parent, rlim_t longest_s,
                                const std::function<CadShape()>& read) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);
   // Ctrl-C is the parent's to answer; a fault is not to be caught by whoever listens for it in the parent.
   signal(SIGINT, SIG_IGN);
   for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT}) signal(fault, SIG_DFL);
-  const rlimit longest{kLongestReading_s, kLongestReading_s}, no_core{0, 0};
+  const rlimit longest{longest_s, longest_s}, no_core{0, 0};
   setrlimit(RLIMIT_CPU, &longest);
   setrlimit(RLIMIT_CORE, &no_core);
   if (const int nowhere = open("/dev/null", O_WRONLY); nowhere >= 0) {
@@ -139,10 +146,11 @@ CadShape shape_from(const std::string& bytes) {
 
 CadShape read_in_own_process(const std::filesystem::path& file, const std::function<CadShape()>& read) {
   const SharedFile result;
+  const rlim_t longest_s = longest_reading_s(file);
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error(fmt::format("fork: {}", std::strerror(errno)));
-  if (child == 0) be_the_child(result, parent, read);
+  if (child == 0) be_the_child(result, parent, longest_s, read);
 
   int status = 0;
   while (waitpid(child, &status, 0) < 0)
@@ -154,8 +162,7 @@ CadShape read_in_own_process(const std::filesystem::path& file, const std::funct
     throw file_error(file.string(), "could not be read by the CAD kernel: " + message);
   }
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
-    throw file_error(file.string(),
-                     fmt::format("takes the CAD kernel longer than {} s to read", kLongestReading_s));
+    throw file_error(file.string(), fmt::format("takes the CAD kernel longer than {} s to read", longest_s));
   throw file_error(file.string(), "is damaged: the CAD kernel failed while it followed what the file says");
 }
 

@@ -29,10 +29,13 @@ SurfacePoint ExactSurfaces::evaluate(std::uint32_t surface, const Vec2& paramete
 
 namespace {
 
-// Newton has arrived when its step on the surface is this short: it converges quadratically, so the foot
-// point's own error is then about step^2 / radius, far below the rounding of coordinates of 100 mm (1e-14
-// mm).
+// An intersection has arrived when ray and surface are this close; the step after it would be the square of
+// this over a radius of curvature, far below the rounding of coordinates of 100 mm (1e-14 mm).
 constexpr double kArrivedMm = 1e-9;
+// A projection has arrived when its last step was this short: Newton's method converges quadratically, so
+// that the foot point is then off by about step^2 / radius along the surface, 1e-9 mm at a radius of 0.1 mm,
+// and its distance by the square of that.
+constexpr double kLastStepMm = 1e-5;
 // From a facet's parameters Newton needs two to five steps; what needs this many does not converge.
 constexpr int kMostIterations = 30;
 
@@ -82,14 +85,15 @@ ExactSurfaces::Projection ExactSurfaces::project(std::uint32_t surface, const Ve
     Vec2 next_uv;
     SurfaceDerivatives next;
     double next_squared = 0.0, moved_mm = 0.0;
-    for (int halving = 0; halving < 10; ++halving, step *= 0.5) {
+    int halving = 0;
+    for (; halving < 10; ++halving, step *= 0.5) {
       next_uv = face.within_bounds(uv + step);
       next = face.at(next_uv);
       next_squared = (next.point - query_mm).squaredNorm();
       moved_mm = (next.point - s.point).norm();
-      if (next_squared <= squared || moved_mm <= kArrivedMm) break;
+      if (next_squared <= squared || moved_mm <= kLastStepMm) break;
     }
-    arrived = moved_mm <= kArrivedMm;
+    arrived = halving == 0 && moved_mm <= kLastStepMm;
     uv = next_uv;
     s = next;
     squared = next_squared;
