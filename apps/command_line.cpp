@@ -28,7 +28,7 @@ Examples:
       aligns measured points from any machine to a part and reports the deviations
   trueblade study scenarios/studies/paper_case.yaml
       repeats a virtual inspection with its errors drawn anew: how accurate is this set-up?
-  trueblade regress scenarios/*.yaml
+  trueblade regress scenarios/paper/*.yaml
       holds scenarios to their own `expect:` blocks
 
 Exit codes: 0 done; 1 ran, but an expectation, a tolerance or the convergence failed; 2 bad input or usage;

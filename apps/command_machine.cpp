@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "apps/calibrate_machine.h"
 #include "apps/command_machine.h"
 #include "apps/console.h"
 #include "apps/interrupt.h"
@@ -154,8 +155,8 @@ int record(const MachineOptions& options) {
 }  // namespace
 
 void add_machine_command(CLI::App& app, CommandLine& line) {
-  CLI::App* machine =
-      app.add_subcommand("machine", "Bring-up of a real machine: status, home, jog, measure, record");
+  CLI::App* machine = app.add_subcommand(
+      "machine", "Bring-up of a machine: status, home, jog, measure, record, calibrate, touch, locate");
   machine->require_subcommand(1);
   machine->footer(R"(
 Examples:
@@ -163,6 +164,9 @@ Examples:
   trueblade machine home   --machine site.yaml --reset-estop
   trueblade machine jog    --machine site.yaml --axis x --by 5
   trueblade machine record --machine site.yaml --seconds 10 --out samples.csv
+  trueblade machine calibrate scenarios/calibration_sphere.yaml --out geometry.yaml
+  trueblade machine touch  --machine site.yaml --points points.yaml --name tip --part-mm 0 0 90
+  trueblade machine locate --machine site.yaml --points points.yaml --out part.yaml
 
 The machine file holds the keys of a scenario's machine block. Bring-up step by step: docs/linuxcnc.md)");
   auto options = std::make_shared<MachineOptions>();
@@ -192,6 +196,7 @@ The machine file holds the keys of a scenario's machine block. Bring-up step by 
   record_command->add_option("--seconds", options->seconds, "How long (default 1)")
       ->check(CLI::PositiveNumber);
   record_command->add_option("--out", options->out, "CSV file")->required()->type_name("FILE");
+  add_calibration_commands(*machine, line);
 }
 
 }  // namespace trueblade

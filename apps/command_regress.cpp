@@ -141,7 +141,7 @@ void add_regress_command(CLI::App& app, CommandLine& line) {
   command->add_flag("--json", line.json, "Print the verdicts as JSON on standard output");
   command->footer(R"(
 Example:
-  trueblade regress scenarios/*.yaml --junit regress.xml)");
+  trueblade regress scenarios/turbine_blade_front.yaml scenarios/paper/*.yaml --junit regress.xml)");
   command->callback(
       [options, &line] { line.chosen = [options, &line] { return regress(*options, line.json); }; });
 }

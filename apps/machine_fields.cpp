@@ -89,19 +89,6 @@ void fields(YamlFields& io, Lens& lens, const Folder& folder) {
   lens_data(io, lens);
 }
 
-void fields(YamlFields& io, MachineGeometry& geometry) {
-  for (std::size_t k = 0; k < 3; ++k)
-    io.choice<LinearAxis>(fmt::format("linear_axis_{}", k + 1), geometry.linear_axis_order[k], kLinearAxes);
-  io.vector("x_direction", geometry.axis_direction[0]);
-  io.vector("y_direction", geometry.axis_direction[1]);
-  io.vector("z_direction", geometry.axis_direction[2]);
-  io.pose("stage_from_probe_at_zero", geometry.stage_from_probe_at_zero);
-  io.vector("beam_direction", geometry.beam_direction);
-  io.vector("rotary_axis_point_mm", geometry.rotary_axis_point_mm);
-  io.vector("rotary_axis_direction", geometry.rotary_axis_direction);
-  io.check([&] { geometry.validate(); });
-}
-
 // Four axes with their unit after a common stem: x_mm ... theta_deg, or x_mm_per_s ... theta_deg_per_s.
 void fields(YamlFields& io, AxisPositions& axes, const std::string& per) {
   const NumberConstraint positive = per.empty() ? any_number() : above(0.0);
@@ -242,6 +229,19 @@ void machine_keys(YamlFields& io, MachineSpec& machine, const Folder& folder) {
 }
 
 }  // namespace
+
+void fields(YamlFields& io, MachineGeometry& geometry) {
+  for (std::size_t k = 0; k < 3; ++k)
+    io.choice<LinearAxis>(fmt::format("linear_axis_{}", k + 1), geometry.linear_axis_order[k], kLinearAxes);
+  io.vector("x_direction", geometry.axis_direction[0]);
+  io.vector("y_direction", geometry.axis_direction[1]);
+  io.vector("z_direction", geometry.axis_direction[2]);
+  io.pose("stage_from_probe_at_zero", geometry.stage_from_probe_at_zero);
+  io.vector("beam_direction", geometry.beam_direction);
+  io.vector("rotary_axis_point_mm", geometry.rotary_axis_point_mm);
+  io.vector("rotary_axis_direction", geometry.rotary_axis_direction);
+  io.check([&] { geometry.validate(); });
+}
 
 void fields(YamlFields& io, MachineSpec& machine, const Folder& folder) {
   if (io.reading()) {

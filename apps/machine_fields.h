@@ -50,6 +50,9 @@ struct MachineSpec {
   std::filesystem::path journal;  // what the backend "recorded" replays
 };
 
+// The keys of a machine's geometry block.
+void fields(YamlFields& io, MachineGeometry& geometry);
+
 // `file: machine.yaml` takes the machine from a file of its own; the other keys override what stands there.
 // Paths are relative to `folder`, that of the YAML file.
 void fields(YamlFields& io, MachineSpec& machine, const std::filesystem::path& folder);

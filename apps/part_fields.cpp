@@ -6,7 +6,9 @@ namespace trueblade {
 namespace {
 
 constexpr std::pair<std::string_view, Demonstration> kDemonstrations[] = {
-    {"turbine_blade", Demonstration::turbine_blade}, {"formed_part", Demonstration::formed_part}};
+    {"turbine_blade", Demonstration::turbine_blade},
+    {"formed_part", Demonstration::formed_part},
+    {"reference_sphere", Demonstration::reference_sphere}};
 constexpr std::pair<std::string_view, LengthUnit> kUnits[] = {{"mm", LengthUnit::millimetre},
                                                               {"cm", LengthUnit::centimetre},
                                                               {"m", LengthUnit::metre},
@@ -70,6 +72,11 @@ void fields(YamlFields& io, FormedPartParameters& formed) {
   io.check([&] { formed.validate(); });
 }
 
+void fields(YamlFields& io, ReferenceSphereParameters& sphere) {
+  io.number("diameter_mm", sphere.diameter_mm);
+  io.check([&] { sphere.validate(); });
+}
+
 void fields(YamlFields& io, PartSpec& part, const std::filesystem::path& folder) {
   const bool has_file = io.reading() ? io.present("file") : !part.file.empty();
   const bool is_demonstration =
@@ -84,8 +91,10 @@ void fields(YamlFields& io, PartSpec& part, const std::filesystem::path& folder)
     io.map("parameters", [&](YamlFields& inner) {
       if (part.demonstration == Demonstration::turbine_blade)
         fields(inner, part.turbine_blade, folder);
-      else
+      else if (part.demonstration == Demonstration::formed_part)
         fields(inner, part.formed_part);
+      else
+        fields(inner, part.reference_sphere);
     });
   }
   io.number("chord_tolerance_mm", part.options.faceting.chord_tolerance_mm);
@@ -102,6 +111,8 @@ Part make_part(const PartSpec& spec) {
       return make_turbine_blade(spec.turbine_blade, spec.options.faceting);
     case Demonstration::formed_part:
       return make_formed_part(spec.formed_part, spec.options.faceting);
+    case Demonstration::reference_sphere:
+      return make_reference_sphere(spec.reference_sphere, spec.options.faceting);
     case Demonstration::none:
       break;
   }

@@ -10,13 +10,14 @@
 
 namespace trueblade {
 
-enum class Demonstration { none, turbine_blade, formed_part };
+enum class Demonstration { none, turbine_blade, formed_part, reference_sphere };
 
 struct PartSpec {
   std::filesystem::path file;  // empty for a demonstration part
   Demonstration demonstration = Demonstration::none;
   TurbineBladeParameters turbine_blade;
   FormedPartParameters formed_part;
+  ReferenceSphereParameters reference_sphere;
   PartOptions options;
 };
 
@@ -26,6 +27,7 @@ void fields(YamlFields& io, PartSpec& part, const std::filesystem::path& folder)
 // The parameters alone, also of `trueblade part make --parameters FILE`.
 void fields(YamlFields& io, TurbineBladeParameters& blade, const std::filesystem::path& folder);
 void fields(YamlFields& io, FormedPartParameters& formed);
+void fields(YamlFields& io, ReferenceSphereParameters& sphere);
 
 // Reads or builds the part. Throws InputError.
 Part make_part(const PartSpec& spec);

@@ -14,6 +14,7 @@ namespace {
 PlanOptions plan_options(const Scenario& scenario) {
   PlanOptions options;
   options.spacing_mm = scenario.scan.spacing_mm;
+  options.standoff_spread_mm = scenario.scan.standoff_spread_mm;
   options.surfaces = scenario.scan.surfaces;
   options.max_incidence_rad = scenario.scan.max_incidence_rad;
   options.probe = scenario.machine.probe;

@@ -57,6 +57,8 @@ void fields(YamlFields& io, ScanSpec& scan) {
   if (io.reading() || !scan.automatic_views)
     io.list<ViewSpec>("views", scan.views, [](YamlFields& inner, ViewSpec& view) { fields(inner, view); });
   io.number("spacing_mm", scan.spacing_mm, above(0.0));
+  if (io.reading() || scan.standoff_spread_mm > 0.0)
+    io.number("standoff_spread_mm", scan.standoff_spread_mm, at_least(0.0));
   io.integers("surfaces", scan.surfaces);
   io.angle("max_incidence_deg", scan.max_incidence_rad, between(1.0, 90.0));
   if (io.present("views") && !scan.automatic_views) io.check([&] { check_views(scan.views); });

@@ -29,6 +29,7 @@ struct ScanSpec {
   std::vector<ViewSpec> views;
   std::optional<ViewAngleOptions> automatic_views;
   double spacing_mm = 1.0;
+  double standoff_spread_mm = 0.0;          // see PlanOptions
   std::vector<std::uint32_t> surfaces;      // CAD surfaces to measure; empty: all
   std::optional<double> max_incidence_rad;  // default: the lens's own limit
 };

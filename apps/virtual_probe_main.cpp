@@ -26,6 +26,11 @@ extern "C" void note_end(int) {
   ended = true;
 }
 
+// `streamer` hands out one reading a servo period. Those that piled up while the computer was busy would
+// delay all that follow, for good; so between lines, where none is needed, new ones are left out until few
+// wait.
+constexpr int kMostWaiting = 5;
+
 void answer_triggers(HalStream& triggers, HalStream& readings, LatchedProbe& probe, double servo_period_s) {
   std::uint32_t number = 0;
   while (!ended) {
@@ -36,6 +41,7 @@ void answer_triggers(HalStream& triggers, HalStream& readings, LatchedProbe& pro
       continue;
     }
     const std::vector<HalValue>& v = trigger->values;
+    if (v[4].f < 0.0 && readings.waiting() > kMostWaiting) continue;
     LatchedProbe::Trigger at;
     LatchedSample latched;
     latched.axes = {v[0].f, v[1].f, v[2].f, v[3].f};

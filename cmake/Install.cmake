@@ -3,7 +3,7 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 get_property(trueblade_libraries GLOBAL PROPERTY TRUEBLADE_LIBRARIES)
 install(TARGETS ${trueblade_libraries} EXPORT truebladeTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-foreach(folder geometry part registration hardware sim inspection)
+foreach(folder geometry part registration hardware calibration sim inspection)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/trueblade
           FILES_MATCHING PATTERN "*.h")
 endforeach()

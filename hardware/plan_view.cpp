@@ -102,6 +102,10 @@ std::vector<Cell> look_at_cells(const ViewRaster& raster, const Lens& lens, cons
   for (const std::uint32_t surface : options.surfaces) chosen[surface] = true;
 
   std::vector<Cell> cells(raster.columns * raster.rows);
+  const auto range_of_row = [&](std::size_t row) {
+    const double third = static_cast<double>(row % 3) - 1.0;
+    return lens.standoff_mm + third * options.standoff_spread_mm;
+  };
   parallel_for_blocks(cells.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const Ray ray = ray_of_cell(raster, options.spacing_mm, i / raster.columns, i % raster.columns);
@@ -109,7 +113,7 @@ std::vector<Cell> look_at_cells(const ViewRaster& raster, const Lens& lens, cons
       if (!hit || !chosen[nominal.model.surface_of(hit->facet)]) continue;
       const Vec3 point = ray.origin_mm + hit->range_mm * ray.direction;
       cells[i] = {access.check(point, hit->normal, ray.direction), true,
-                  point - lens.standoff_mm * ray.direction};
+                  point - range_of_row(i / raster.columns) * ray.direction};
     }
   });
   return cells;
@@ -181,9 +185,13 @@ std::string count_reasons(const std::array<std::size_t, kPointAccessCount>& cell
 
 }  // namespace
 
-void PlanOptions::validate(const Part& part) const {
+void PlanOptions::validate(const Part& part, const Lens& lens) const {
   if (!(spacing_mm > 0.0 && std::isfinite(spacing_mm)))
     throw InputError(fmt::format("view {}: spacing_mm is {}, must be above 0", view, spacing_mm));
+  if (!(standoff_spread_mm >= 0.0 && standoff_spread_mm < 0.5 * lens.working_range_mm))
+    throw InputError(fmt::format(
+        "view {}: standoff_spread_mm is {}, must be at least 0 and below {}, half the working range", view,
+        standoff_spread_mm, 0.5 * lens.working_range_mm));
   if (!std::isfinite(theta_rad))
     throw InputError(fmt::format("view {}: theta is {}, must be finite", view, theta_rad));
   if (max_incidence_rad && !(*max_incidence_rad > 0.0 && *max_incidence_rad <= 0.5 * std::numbers::pi))
@@ -199,7 +207,7 @@ ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part
                    const RayCaster& nominal_caster, const RigidTransform& part_from_mcs,
                    const PlanOptions& options) {
   geometry.validate();
-  options.validate(nominal);
+  options.validate(nominal, lens);
   const double max_incidence_rad = options.max_incidence_rad.value_or(lens.max_incidence_rad);
   const ProbeClearance clearance(nominal.model, options.probe);
   const AccessCheck access(nominal_caster, clearance, lens, options.probe, max_incidence_rad);

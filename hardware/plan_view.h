@@ -23,10 +23,13 @@ struct PlanOptions {
   double spacing_mm = 1.0;                  // of the raster, in both directions
   std::vector<std::uint32_t> surfaces;      // CAD surfaces to measure; empty: all
   std::optional<double> max_incidence_rad;  // angle between beam and normal; default: the lens's own limit
+  // By so much the rows are measured in turn nearer than the standoff, at it, and farther. A calibration
+  // learns the beam's direction from the difference.
+  double standoff_spread_mm = 0.0;
   ProbeBody probe;
 
   // Throws InputError naming the value and the constraint.
-  void validate(const Part& part) const;
+  void validate(const Part& part, const Lens& lens) const;
 };
 
 // Raster of the nominal part's silhouette along the beam: columns across the rotary axis, rows along it

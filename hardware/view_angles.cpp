@@ -84,7 +84,7 @@ ViewChoice choose_view_angles(const MachineGeometry& geometry, const Lens& lens,
                               const RigidTransform& part_from_mcs, const PlanOptions& plan,
                               const ViewAngleOptions& options) {
   geometry.validate();
-  plan.validate(nominal);
+  plan.validate(nominal, lens);
   options.validate();
   const ProbeClearance clearance(nominal.model, plan.probe);
   const AccessCheck check(nominal_caster, clearance, lens, plan.probe,
@@ -118,7 +118,7 @@ Coverage coverage_of_views(const MachineGeometry& geometry, const Lens& lens, co
                            const PlanOptions& plan, std::span<const double> theta_rad,
                            std::size_t sample_count) {
   geometry.validate();
-  plan.validate(nominal);
+  plan.validate(nominal, lens);
   const ProbeClearance clearance(nominal.model, plan.probe);
   const AccessCheck check(nominal_caster, clearance, lens, plan.probe,
                           plan.max_incidence_rad.value_or(lens.max_incidence_rad));

@@ -53,6 +53,13 @@ Mat3 rotary_directions(const MachineGeometry& nominal) {
   return directions;
 }
 
+// Place and direction of the rotary axis: it turns about the nominal direction through this frame's origin.
+RigidTransform true_stage_from_axis(const MachineGeometry& nominal, const ErrorValues& errors) {
+  return shift(nominal.rotary_axis_point_mm) * small_motion(rotary_directions(nominal),
+                                                            {errors[xoc], errors[yoc], 0.0},
+                                                            {errors[aoc], errors[boc], 0.0});
+}
+
 }  // namespace
 
 RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisPositions& axes,
@@ -77,9 +84,7 @@ RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisP
 RigidTransform true_stage_from_mcs(const MachineGeometry& nominal, double theta_rad,
                                    const ErrorValues& errors) {
   const Mat3 directions = rotary_directions(nominal);
-  const RigidTransform stage_from_axis =
-      shift(nominal.rotary_axis_point_mm) *
-      small_motion(directions, {errors[xoc], errors[yoc], 0.0}, {errors[aoc], errors[boc], 0.0});
+  const RigidTransform stage_from_axis = true_stage_from_axis(nominal, errors);
   const RigidTransform error_motion =
       small_motion(directions, values_of(errors, exc, eyc, ezc), {errors[eac], errors[ebc], 0.0});
   RigidTransform turn;
@@ -97,6 +102,16 @@ RigidTransform true_mcs_from_part(const RigidTransform& nominal_mcs_from_part,
                                                       values_of(errors, part_a, part_b, part_c));
   return mcs_from_fixture * fixture_on_table * part_in_fixture * mcs_from_fixture.inverse() *
          nominal_mcs_from_part;
+}
+
+MachineGeometry true_geometry(const MachineGeometry& nominal, const ErrorValues& errors) {
+  MachineGeometry geometry = nominal;
+  geometry.stage_from_probe_at_zero = true_stage_from_probe(nominal, {}, errors, 0.0);
+  geometry.beam_direction = true_beam_direction(nominal, errors);
+  const RigidTransform stage_from_axis = true_stage_from_axis(nominal, errors);
+  geometry.rotary_axis_point_mm = stage_from_axis.translation_mm;
+  geometry.rotary_axis_direction = stage_from_axis.rotation * nominal.rotary_axis_direction;
+  return geometry;
 }
 
 Vec3 true_beam_direction(const MachineGeometry& nominal, const ErrorValues& errors) {

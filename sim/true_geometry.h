@@ -32,6 +32,11 @@ RigidTransform true_stage_from_mcs(const MachineGeometry& nominal, double theta_
 RigidTransform true_mcs_from_part(const RigidTransform& nominal_mcs_from_part,
                                   const RigidTransform& mcs_from_fixture, const ErrorValues& errors);
 
+// What of the errors does not depend on where the machine stands, as a geometry: mount (at x = y = z = 0),
+// beam, place and direction of the rotary axis. With no other errors the nominal chain of it is the true
+// chain.
+MachineGeometry true_geometry(const MachineGeometry& nominal, const ErrorValues& errors);
+
 // The beam in the probe frame, tilted by beam_a and beam_b about two fixed normals of the nominal beam.
 Vec3 true_beam_direction(const MachineGeometry& nominal, const ErrorValues& errors);
 

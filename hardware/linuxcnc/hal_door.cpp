@@ -102,6 +102,10 @@ std::optional<HalStream::Record> HalStream::read() {
   return record;
 }
 
+int HalStream::waiting() const {
+  return hal_stream_depth(&attached_->stream);
+}
+
 bool HalStream::write(const std::vector<HalValue>& values) {
   require(values.size() == fields_.size(), "a record has another number of fields than its stream");
   if (!hal_stream_writable(&attached_->stream)) return false;

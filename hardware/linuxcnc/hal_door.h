@@ -69,6 +69,7 @@ class HalStream {
   };
   std::optional<Record> read();                     // nullopt: nothing there
   bool write(const std::vector<HalValue>& values);  // false: full
+  int waiting() const;                              // records written and not yet read
 
  private:
   struct Attached;

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
 #include <numbers>
 #include <set>
 
@@ -53,6 +55,25 @@ TEST(PlanView, APlateIsCoveredByAFullBoustrophedonRaster) {
     }
     for (const AxisPositions& axes : path) EXPECT_NEAR(axes.y_mm, 28.0, 1e-12);
   }
+}
+
+TEST(PlanView, RowsAreSpreadOverTheWorkingRange) {
+  const Part part = testing::plate(3.0, 10.0);
+  const RayCaster caster(part.model);
+  PlanOptions options;
+  options.spacing_mm = 1.5;
+  options.standoff_spread_mm = 0.25;
+  const ScanPlan plan = plan_view({}, standard_lens("25mm"), part, caster, {}, options);
+  ASSERT_EQ(plan.lines.size(), 7u);
+  std::array<int, 3> rows{};  // nearer, at the standoff, farther
+  for (const PlannedLine& line : plan.lines) {
+    const double off_mm = line.path.front().y_mm - 28.0;
+    for (const AxisPositions& axes : line.path) EXPECT_NEAR(axes.y_mm - 28.0, off_mm, 1e-12);
+    const long step = std::lround(off_mm / 0.25);
+    EXPECT_NEAR(off_mm, 0.25 * static_cast<double>(step), 1e-12);
+    ++rows.at(static_cast<std::size_t>(step + 1));
+  }
+  EXPECT_EQ(rows, (std::array{3, 2, 2}));
 }
 
 TEST(PlanView, TheProbeFollowsASphereAtStandoff) {
@@ -199,6 +220,10 @@ TEST(PlanView, ImpossibleOptionsAreRefusedByName) {
   PlanOptions unknown;
   unknown.surfaces = {2};
   EXPECT_NE(message_of(unknown).find("surface 2 does not exist"), std::string::npos);
+  PlanOptions wide;
+  wide.standoff_spread_mm = 0.35;
+  EXPECT_NE(message_of(wide).find("standoff_spread_mm is 0.35, must be at least 0 and below 0.35"),
+            std::string::npos);
   PlanOptions steep;
   steep.max_incidence_rad = 2.0;
   EXPECT_NE(message_of(steep).find("max_incidence"), std::string::npos);

@@ -8,6 +8,7 @@ Exit code 77, with a message, where the controller is not installed or may not b
 import json
 import os
 import pathlib
+import resource
 import shutil
 import signal
 import socket
@@ -75,6 +76,28 @@ class Controller:
         self.socket.close()
 
 
+def loop(*arguments):
+    subprocess.run([ROOT / "scripts/linuxcnc.sh", *arguments], env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=True, timeout=120)
+
+
+def halcmd(*arguments):
+    """Beside the controller, as its user."""
+    as_user = ["runuser", "-u", "trueblade", "--"] if os.geteuid() == 0 else []
+    subprocess.run([*as_user, "env", f"HOME={LOOP}", "halcmd", *arguments], check=True, capture_output=True, timeout=30)
+
+
+def processes_of_the_loop(name):
+    """Their numbers, by the program file that they run: no process of another loop."""
+    found = []
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if os.readlink(entry / "exe") == str(LOOP / "bin" / name):
+                found.append(int(entry.name))
+        except OSError:
+            continue  # ended meanwhile, or another user's
+    return found
+
+
 def setUpModule():
     subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=False)
     setUpModule.folder = pathlib.Path(tempfile.mkdtemp())
@@ -107,11 +130,31 @@ class RunningController(unittest.TestCase):
     def started_scan(self):
         """The process, in the middle of its scan."""
         process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        journal = self.folder / "run/scan.journal"
-        while not journal.exists() or journal.stat().st_size < 6000:
+        while self.journal_bytes() < 6000:
             self.assertIsNone(process.poll(), "ended before the scan began")
             time.sleep(0.02)
         return process
+
+    def journal_bytes(self):
+        journal = self.folder / "run/scan.journal"
+        return journal.stat().st_size if journal.exists() else 0
+
+    def ends_as_a_fault(self, process, words):
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, MACHINE_FAULT, errors)
+        self.assertRegex(errors.lower(), words)
+        self.assertRegex(errors, "the machine is (stopped|unknown)")
+        self.assertGreaterEqual(self.journal_bytes(), 6000, errors)
+
+    def machine_file(self):
+        machine = self.folder / "machine.yaml"
+        machine.write_text("backend: linuxcnc\nlens: {name: 25mm}\ncontroller: {" +
+                           CONTROLLER.format(port=5007, password="EMCTOO") + "}\n")
+        return machine
+
+    def machine(self, *arguments):
+        return subprocess.run([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(), *arguments[1:]],
+                              capture_output=True, text=True, check=False, timeout=120)
 
     def stands_still(self):
         controller = Controller()
@@ -148,11 +191,58 @@ class RunningController(unittest.TestCase):
         process = self.started_scan()
         controller = Controller()
         controller.press_estop()
-        _, errors = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, MACHINE_FAULT, errors)
-        self.assertRegex(errors.lower(), "e-?stop|off")
+        self.ends_as_a_fault(process, "e-?stop|off")
         controller.close()
         self.stands_still()
+        self.completes()
+
+    def test_following_error_in_the_middle_of_a_line(self):
+        process = self.started_scan()
+        # The encoder of x stands still while the axis is told to move.
+        halcmd("unlinkp", "joint.0.motor-pos-fb")
+        try:
+            self.ends_as_a_fault(process, "joint 0 following error")
+        finally:
+            halcmd("linkps", "joint.0.motor-pos-fb", "x-motor")
+        self.stands_still()
+        self.completes()
+
+    def test_full_disk_in_the_middle_of_a_line(self):
+        # A limit on the size of files stands for the disk.
+        def limit():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (6500, resource.RLIM_INFINITY))
+
+        process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   preexec_fn=limit, restore_signals=False)
+        self.ends_as_a_fault(process, "file too large")
+        self.stands_still()
+        self.completes()
+
+    def test_silent_sensor_and_controller_restarted(self):
+        process = self.started_scan()
+        probes = processes_of_the_loop("trueblade-virtual-probe")
+        self.assertEqual(len(probes), 1)
+        os.kill(probes[0], signal.SIGSTOP)
+        try:
+            self.ends_as_a_fault(process, "sensor is silent")
+        finally:
+            os.kill(probes[0], signal.SIGCONT)
+        self.stands_still()
+        loop("stop")
+        loop("start", setUpModule.folder / "loop.yaml")
+        jog = self.machine("jog", "--axis", "x", "--by", "1")
+        self.assertEqual(jog.returncode, MACHINE_FAULT, jog.stderr)
+        self.assertIn("not homed", jog.stderr)
+        self.completes()
+
+    def test_controller_ends_in_the_middle_of_a_line(self):
+        process = self.started_scan()
+        loop("stop")
+        try:
+            self.ends_as_a_fault(process, "connection|closed")
+        finally:
+            loop("start", setUpModule.folder / "loop.yaml")
         self.completes()
 
     def test_killed_in_the_middle_of_a_line(self):
@@ -172,12 +262,8 @@ class RunningController(unittest.TestCase):
         self.completes()
 
     def test_beyond_a_limit(self):
-        machine = self.folder / "machine.yaml"
-        machine.write_text("backend: linuxcnc\nlens: {name: 25mm}\ncontroller: {" +
-                           CONTROLLER.format(port=5007, password="EMCTOO") + "}\n")
-        subprocess.run([PROGRAM, "machine", "home", "--machine", machine], check=True, capture_output=True, timeout=120)
-        jog = subprocess.run([PROGRAM, "machine", "jog", "--machine", machine, "--axis", "x", "--by", "100000"],
-                             capture_output=True, text=True, check=False, timeout=60)
+        self.assertEqual(self.machine("home").returncode, 0)
+        jog = self.machine("jog", "--axis", "x", "--by", "100000")
         self.assertIn(jog.returncode, (2, MACHINE_FAULT))
         self.assertIn("limit", jog.stderr)
         self.stands_still()
