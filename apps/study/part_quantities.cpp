@@ -71,35 +71,6 @@ std::optional<Vec6> true_offset(const RegisteredPoints& truth, const FacetModel&
   return step_between({}, displaced_from.inverse() * displaced_of, pivot_mm);
 }
 
-// Collects the errors that are wanted.
-class Errors {
- public:
-  Errors(const std::vector<std::string>& wanted, PartMeasurands::Values& values) : values_(values) {
-    for (const std::string& name : wanted) values_.by_name[name] = kNoValue;
-  }
-  void set(const std::string& name, double error, const std::string& reason) {
-    const auto wanted = values_.by_name.find(name);
-    if (wanted == values_.by_name.end()) return;
-    wanted->second = error;
-    if (std::isnan(error)) note(reason);
-  }
-  void note(const std::string& reason) {
-    if (values_.missing.empty()) values_.missing = reason;
-  }
-
- private:
-  PartMeasurands::Values& values_;
-};
-
-void set_section(const SectionResult& measured, const SectionResult& known, Errors& errors) {
-  for (const SectionFeature& feature : measured.features) {
-    const SectionFeature* truth = known.find(feature.name);
-    errors.set(section_quantity(measured.height_mm, feature.name, feature.unit),
-               truth ? feature.deviation() - truth->deviation() : kNoValue,
-               fmt::format("section at {:g} mm: {}: {}", measured.height_mm, feature.name, feature.reason));
-  }
-}
-
 }  // namespace
 
 std::vector<Quantity> part_quantities(const Scenario& scenario) {
@@ -157,36 +128,40 @@ std::vector<SectionResult> PartMeasurands::known_sections(const VirtualPart& par
   return known;
 }
 
-PartMeasurands::Values PartMeasurands::evaluate(const ScanPoints& scan,
-                                                const RegistrationResult& registration,
-                                                const RegisteredPoints& truth,
-                                                const VirtualPart& part) const {
+std::map<std::string, double> PartMeasurands::evaluate(const ScanPoints& scan,
+                                                       const RegistrationResult& registration,
+                                                       const RegisteredPoints& truth,
+                                                       const VirtualPart& part) const {
   const Deviations deviations = evaluate_deviations(target_.part(), target_.tree(), target_.pseudo_normals(),
                                                     scan, registration.part_from_mcs, {surface_});
   const EvaluationResult measured =
       evaluate_together(spec_, target_, options_, surface_, {{"part", &scan, &registration, &deviations}});
-  Values values;
-  Errors errors(wanted_, values);
-  for (const std::string& missing : measured.missing) errors.note(missing);
+  std::map<std::string, double> errors;
+  for (const std::string& name : wanted_) errors[name] = kNoValue;
+  const auto set = [&](const std::string& name, double error) {
+    if (const auto wanted = errors.find(name); wanted != errors.end()) wanted->second = error;
+  };
   if (!sections_.empty()) {
     const std::vector<SectionResult> known = fixed_ ? *fixed_ : known_sections(part);
-    for (std::size_t s = 0; s < known.size(); ++s) set_section(measured.sections[s], known[s], errors);
+    for (std::size_t s = 0; s < known.size(); ++s)
+      for (const SectionFeature& feature : measured.sections[s].features)
+        if (const SectionFeature* known_feature = known[s].find(feature.name))
+          set(section_quantity(known[s].height_mm, feature.name, feature.unit),
+              feature.deviation() - known_feature->deviation());
   }
   for (const PoseDifference& offset : measured.offsets) {
     const auto group = std::find_if(spec_.groups.begin(), spec_.groups.end(),
                                     [&](const GroupSpec& item) { return item.name == offset.of; });
-    const auto true_step =
+    const auto known =
         true_offset(truth, *part.model, groups_[static_cast<std::size_t>(group - spec_.groups.begin())],
                     groups_.front(), offset.pivot_mm);
-    for (std::size_t k = 0; k < kComponents.size(); ++k) {
+    for (std::size_t k = 0; known && k < kComponents.size(); ++k) {
       const auto component = static_cast<Eigen::Index>(k);
-      errors.set(
-          offset_quantity(offset.of, k),
-          true_step && offset.determined[k] ? offset.step[component] - (*true_step)[component] : kNoValue,
-          fmt::format("offset of {}: its points leave {} undetermined", offset.of, kComponents[k]));
+      if (offset.determined[k])
+        set(offset_quantity(offset.of, k), offset.step[component] - (*known)[component]);
     }
   }
-  return values;
+  return errors;
 }
 
 }  // namespace trueblade

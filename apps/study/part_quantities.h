@@ -31,13 +31,10 @@ class PartMeasurands {
   PartMeasurands(const RegistrationTarget& target, const Scenario& scenario,
                  const std::vector<std::string>& wanted, const std::optional<VirtualPart>& fixed_part);
 
-  struct Values {
-    std::map<std::string, double> by_name;  // of what is wanted; NaN where there is none
-    std::string missing;                    // why the first of those is NaN; empty: none is
-  };
-  // Of all points as one scan at its registered pose. May run from any number of threads.
-  Values evaluate(const ScanPoints& scan, const RegistrationResult& registration,
-                  const RegisteredPoints& truth, const VirtualPart& part) const;
+  // The wanted values by name, of all points as one scan at its registered pose; NaN where the inspection has
+  // no number. May run from any number of threads.
+  std::map<std::string, double> evaluate(const ScanPoints& scan, const RegistrationResult& registration,
+                                         const RegisteredPoints& truth, const VirtualPart& part) const;
 
  private:
   std::vector<SectionResult> known_sections(const VirtualPart& part) const;

@@ -204,12 +204,12 @@ struct StudyModel::Impl {
                             const VirtualPart& part, std::vector<double>& values) const {
     const std::string doubtful = doubt(kPart, result);
     if (!doubtful.empty()) return doubtful;
-    const PartMeasurands::Values measured = setup.measurands->evaluate(points, result, registered, part);
+    const auto measured = setup.measurands->evaluate(points, result, registered, part);
     const std::size_t first = kept.size() - kept_of_part.size();
     for (std::size_t k = 0; k < kept_of_part.size(); ++k)
-      if (const auto found = measured.by_name.find(kept_of_part[k]); found != measured.by_name.end())
+      if (const auto found = measured.find(kept_of_part[k]); found != measured.end())
         values[first + k] = found->second;
-    return measured.missing.empty() ? "" : fmt::format("{}: {}", kPart, measured.missing);
+    return "";
   }
 
   Outcome evaluate_case(const StudyCase& item, std::uint32_t number, const TrialScan& scan,
