@@ -2,18 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <optional>
 
 #include "geometry/error.h"
 #include "inspection/section_curve.h"
+#include "inspection/section_definitions.h"
 #include "inspection/section_features.h"
+#include "inspection/section_rigid_fit.h"
 
 namespace trueblade {
 namespace {
 
-constexpr double kOutlineStep_mm = 0.05;  // 11 degrees of an edge of 0.25 mm radius
 constexpr std::size_t kFewestPoints = 30;
 constexpr std::size_t kFewestEdgePoints = 6;  // twice the numbers of a circle
 // A rigid fit of a section that was seen from one side only takes a thickness error for a displacement.
@@ -164,36 +164,6 @@ SectionFeature edge_radius(const char* name, const SectionOutline& outline, std:
   return radius;
 }
 
-// Least squares of deviation = n . (shift + twist * perp(p - centroid)), all parts of the outline alike.
-struct RigidFit {
-  Vec3 twist_and_shift;  // rad, mm, mm
-  Vec3 uncertainty;
-};
-std::optional<RigidFit> rigid_fit(const SectionOutline& outline, const SectionCurve& curve,
-                                  const std::vector<SectionPoint>& section) {
-  Mat3 information = Mat3::Zero(), scatter = Mat3::Zero();
-  Vec3 right = Vec3::Zero();
-  std::vector<Vec3> rows;
-  for (std::size_t i = 0; i < section.size(); ++i) {
-    const Vec2 arm = outline.point_mm[section[i].outline_point] - outline.centroid_mm;
-    const Vec2& n = outline.normal[section[i].outline_point];
-    rows.emplace_back(arm.x() * n.y() - arm.y() * n.x(), n.x(), n.y());
-    const double weight = curve.weight_mm(section[i].outline_point);
-    information += weight * rows.back() * rows.back().transpose();
-    right += weight * section[i].deviation_mm * rows.back();
-  }
-  const Eigen::FullPivLU<Mat3> solver(information);
-  if (!solver.isInvertible()) return std::nullopt;
-  const Vec3 fit = solver.solve(right);
-  for (std::size_t i = 0; i < section.size(); ++i) {
-    const double weight = curve.weight_mm(section[i].outline_point);
-    const double residual = section[i].deviation_mm - rows[i].dot(fit);
-    scatter += weight * weight * residual * residual * rows[i] * rows[i].transpose();
-  }
-  const Mat3 inverse = information.inverse();
-  return RigidFit{fit, (inverse * scatter * inverse).diagonal().cwiseMax(0.0).cwiseSqrt()};
-}
-
 void add_rigid_features(const SectionOutline& outline, const SectionCurve& curve,
                         const std::vector<SectionPoint>& section, SectionResult& result) {
   constexpr const char* kMethod =
@@ -202,11 +172,13 @@ void add_rigid_features(const SectionOutline& outline, const SectionCurve& curve
                                          feature("displacement_x", "mm", kMethod, 0.0),
                                          feature("displacement_y", "mm", kMethod, 0.0)};
   std::string reason;
-  std::optional<RigidFit> fit;
+  std::optional<SectionRigidFit> fit;
+  std::vector<double> weight_mm;
+  for (const SectionPoint& point : section) weight_mm.push_back(curve.weight_mm(point.outline_point));
   if (curve.supported_share() < kLeastShare)
     reason = fmt::format("points on {:.0f} % of the outline, {:.0f} % are needed",
                          100.0 * curve.supported_share(), 100.0 * kLeastShare);
-  else if (fit = rigid_fit(outline, curve, section); !fit)
+  else if (fit = fit_section_rigidly(outline, section, weight_mm); !fit)
     reason = "the points determine no displacement";
   for (std::size_t k = 0; k < features.size(); ++k) {
     features[k].reason = reason;

@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/study/part_quantities.h"
 #include "apps/version.h"
 #include "inspection/statistics.h"
 #include "sim/study/paired.h"
@@ -84,6 +85,16 @@ Json statement(const Quantity& quantity, const Column& column, double probabilit
   json["symmetric_interval"] = interval(s.symmetric);
   json["shortest_interval"] = interval(s.shortest);
   json["histogram"] = histogram(values);
+  return json;
+}
+
+// Trials that have a result, but not this quantity; `study show --trial` tells why.
+Json without_value(const Column& column) {
+  Json json{{"count", 0}};
+  std::size_t count = 0;
+  for (const auto& [trial, value] : column)
+    if (!std::isfinite(value) && count++ == 0) json["first_trial"] = trial;
+  json["count"] = count;
   return json;
 }
 
@@ -234,13 +245,20 @@ Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore
   Json json{{"name", item.name}, {"trials", trials.size()}, {"failures", failures(store, number, trials)}};
   for (std::size_t k = 0; k < item.sweep_values.size(); ++k)
     json["sweep"][study.sweep[k].field] = item.sweep_values[k];
+  const std::vector<Quantity> of_part = part_quantities(item.scenario);
   for (std::size_t k = 0; k < model.quantities().size(); ++k) {
+    const Quantity& quantity = model.quantities()[k];
     const Column column = store.column(number, k, trials);
     const bool exists =
         std::any_of(column.begin(), column.end(), [](const auto& row) { return std::isfinite(row.second); });
-    if (exists)
-      json["quantities"][model.quantities()[k].name] =
-          statement(model.quantities()[k], column, study.coverage_probability);
+    // What the scenario asks for is stated even if no trial could measure it.
+    const bool asked_for = std::any_of(of_part.begin(), of_part.end(), [&](const Quantity& asked) {
+      return quantity.name == "part." + asked.name;
+    });
+    if (!exists && !asked_for) continue;
+    json["quantities"][quantity.name] = statement(quantity, column, study.coverage_probability);
+    const Json absent = without_value(column);
+    if (absent["count"] > 0) json["quantities"][quantity.name]["without_value"] = absent;
   }
   const std::size_t headline = quantity_number(model, study.headline);
   json["convergence"] = convergence(store.column(number, headline, trials));
@@ -459,6 +477,15 @@ std::string study_table(const nlohmann::ordered_json& document) {
       text += fmt::format("failed in {}: {} of {}, first trial {}: {}\n", item["name"].get<std::string>(),
                           failure["count"].get<std::uint64_t>(), item["trials"].get<std::uint64_t>(),
                           failure["first_trial"].get<std::uint64_t>(), failure["reason"].get<std::string>());
+  for (const Json& item : document["cases"]) {
+    if (!item.contains("quantities")) continue;
+    for (const auto& [name, quantity] : item["quantities"].items())
+      if (quantity.contains("without_value"))
+        text += fmt::format("no {} in {}: {} of {}, first trial {}\n", name, item["name"].get<std::string>(),
+                            quantity["without_value"]["count"].get<std::uint64_t>(),
+                            item["trials"].get<std::uint64_t>(),
+                            quantity["without_value"]["first_trial"].get<std::uint64_t>());
+  }
   if (document["budget"].contains(headline)) {
     text += fmt::format("\nBudget of {}: improve {} first\n", headline,
                         document["budget"][headline]["improve_first"].get<std::string>());

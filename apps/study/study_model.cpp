@@ -7,15 +7,18 @@
 
 #include "apps/measure.h"
 #include "apps/nearest_word.h"
+#include "apps/study/part_quantities.h"
 #include "apps/study/view_quantities.h"
 #include "apps/yaml_writer.h"
 #include "hardware/execute_plan.h"
-#include "registration/register_scan.h"
+#include "inspection/datum_fit.h"
+#include "inspection/surface_selection.h"
 
 namespace trueblade {
 namespace {
 
 constexpr const char* kTogether = "together";
+constexpr const char* kPart = "part";  // stands for a view in the names of what is said of the part
 
 // A part with its search structures, shared by the cases and threads.
 struct SharedPart {
@@ -31,6 +34,9 @@ struct CaseSetup {
   std::shared_ptr<const std::vector<ScanPlan>> plans;  // one per view
   std::optional<VirtualPart> virtual_part;             // nullopt: its form is drawn in every trial
   std::string scan_key;  // cases with the same key measure the same: one scan serves them
+
+  std::vector<std::uint32_t> datum_surfaces;
+  std::shared_ptr<const PartMeasurands> measurands;  // null: nothing is kept of the part as a whole
 };
 
 // One trial's scans of all views.
@@ -101,13 +107,19 @@ struct StudyModel::Impl {
   std::vector<Quantity> of_view;           // without the view
   std::vector<std::string> views;          // of all cases
   std::vector<std::vector<bool>> is_kept;  // per view and quantity
-  std::vector<Quantity> kept;
+  std::vector<Quantity> of_part;           // of all cases, without "part."
+  std::vector<std::string> kept_of_part;   // the same, those that are kept
+  std::vector<Quantity> kept;              // of the views in order, then of the part
 
   void choose_quantities() {
     std::vector<std::string> all;
     for (const std::string& view : views)
       for (const Quantity& quantity : of_view) all.push_back(view + "." + quantity.name);
     for (const Quantity& quantity : of_view) all.push_back(quantity.name);
+    for (const Quantity& quantity : of_part) {
+      all.push_back(std::string(kPart) + "." + quantity.name);
+      all.push_back(quantity.name);
+    }
     for (const std::string& name : study.quantities) require_known(name, "quantities", all);
     if (!study.headline.empty()) require_known(study.headline, "headline", all);
     if (study.tolerance) require_known(study.tolerance->quantity, "tolerance.quantity", all);
@@ -119,6 +131,26 @@ struct StudyModel::Impl {
         if (is_kept.back().back()) kept.push_back({full, quantity.unit, quantity.description});
       }
     }
+    for (const Quantity& quantity : of_part) {
+      const std::string full = std::string(kPart) + "." + quantity.name;
+      if (!is_wanted(full, quantity.name)) continue;
+      kept_of_part.push_back(quantity.name);
+      kept.push_back({full, quantity.unit, quantity.description});
+    }
+  }
+
+  void prepare_measurands(const StudyCase& item, CaseSetup& setup) const {
+    setup.datum_surfaces =
+        select_surfaces(setup.part->target.part(), item.scenario.inspection.datum_surfaces);
+    std::vector<std::string> wanted;
+    for (const Quantity& quantity : part_quantities(item.scenario))
+      if (std::find(kept_of_part.begin(), kept_of_part.end(), quantity.name) != kept_of_part.end())
+        wanted.push_back(quantity.name);
+    if (wanted.empty()) return;
+    if (std::find(views.begin(), views.end(), kPart) != views.end())
+      throw InputError(fmt::format("a view is named \"{}\", which stands for the part as a whole", kPart));
+    setup.measurands =
+        std::make_shared<PartMeasurands>(setup.part->target, item.scenario, wanted, setup.virtual_part);
   }
 
   bool is_wanted(const std::string& full, const std::string& name) const {
@@ -137,29 +169,46 @@ struct StudyModel::Impl {
                                  nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : ""));
   }
 
-  // Registers the points and puts the values of the view at their places; returns why there is no result.
-  std::string evaluate_view(const StudyCase& item, const CaseSetup& setup, const std::string& view,
-                            const RegisteredPoints& registered, const ScanPoints& points,
-                            const VirtualPart& part, std::vector<double>& values) const {
-    const Scenario& scenario = item.scenario;
-    const RegistrationResult result = register_scan(
-        setup.part->target, points, scenario.machine.mcs_from_part.inverse(), scenario.registration.options);
-    const auto view_number =
-        static_cast<std::size_t>(std::find(views.begin(), views.end(), view) - views.begin());
-    const std::vector<bool>& wanted = is_kept[view_number];
-    const std::vector<double> of_this =
-        values_of_view(study, scenario, setup.part->target, *part.model, registered, points, result, wanted);
-    std::size_t place = 0;
-    for (std::size_t v = 0; v < view_number; ++v)
-      place += static_cast<std::size_t>(std::count(is_kept[v].begin(), is_kept[v].end(), true));
-    for (std::size_t k = 0; k < of_this.size(); ++k)
-      if (wanted[k]) values[place++] = of_this[k];
+  // Why the result of a registration is none; empty: it is one.
+  static std::string doubt(const std::string& view, const RegistrationResult& result) {
     if (!is_converged(result.termination))
       return fmt::format("{}: the registration did not converge: {}", view, to_string(result.termination));
     // Their error is that of the set-up, and no uncertainty says so.
     if (!result.undetermined.empty())
       return fmt::format("{}: the points leave {} of 6 degrees of freedom undetermined", view,
                          result.undetermined.size());
+    return "";
+  }
+
+  // Puts the values of the view at their places; returns why there is no result.
+  std::string evaluate_view(const StudyCase& item, const CaseSetup& setup, const std::string& view,
+                            const RegisteredPoints& registered, const ScanPoints& points,
+                            const RegistrationResult& result, const VirtualPart& part,
+                            std::vector<double>& values) const {
+    const auto view_number =
+        static_cast<std::size_t>(std::find(views.begin(), views.end(), view) - views.begin());
+    const std::vector<bool>& wanted = is_kept[view_number];
+    const std::vector<double> of_this = values_of_view(study, item.scenario, setup.part->target, *part.model,
+                                                       registered, points, result, wanted);
+    std::size_t place = 0;
+    for (std::size_t v = 0; v < view_number; ++v)
+      place += static_cast<std::size_t>(std::count(is_kept[v].begin(), is_kept[v].end(), true));
+    for (std::size_t k = 0; k < of_this.size(); ++k)
+      if (wanted[k]) values[place++] = of_this[k];
+    return doubt(view, result);
+  }
+
+  // The same of the part as a whole.
+  std::string evaluate_part(const CaseSetup& setup, const RegisteredPoints& registered,
+                            const ScanPoints& points, const RegistrationResult& result,
+                            const VirtualPart& part, std::vector<double>& values) const {
+    const std::string doubtful = doubt(kPart, result);
+    if (!doubtful.empty()) return doubtful;
+    const auto measured = setup.measurands->evaluate(points, result, registered, part);
+    const std::size_t first = kept.size() - kept_of_part.size();
+    for (std::size_t k = 0; k < kept_of_part.size(); ++k)
+      if (const auto found = measured.find(kept_of_part[k]); found != measured.end())
+        values[first + k] = found->second;
     return "";
   }
 
@@ -170,18 +219,35 @@ struct StudyModel::Impl {
     const auto note = [&](const std::string& failure) {
       if (outcome.failure.empty()) outcome.failure = failure;
     };
+    // As in an inspection: a view of several is registered by its own best fit; all points together, and
+    // the points of an only view, on the datum surfaces where there are any.
+    const bool apart = item.views == ViewPolicy::separate && scan.views.size() > 1;
+    const auto register_points = [&](const ScanPoints& points, const std::vector<std::uint32_t>& datum) {
+      return register_to_datum(setup.part->target, points, item.scenario.machine.mcs_from_part.inverse(),
+                               item.scenario.registration.options, datum);
+    };
     try {
       RegisteredPoints registered;
       ScanPoints points;
       for (std::size_t v = 0; v < scan.views.size(); ++v) {
-        append_usable(scan.views[v], scan.truths[v], registered, points);
-        if (item.views == ViewPolicy::together) continue;
-        note(evaluate_view(item, setup, scan.views[v].view, registered, points, scan.part, outcome.values));
-        registered = {};
-        points = {};
+        if (apart) {
+          RegisteredPoints registered_of_view;
+          ScanPoints points_of_view;
+          append_usable(scan.views[v], scan.truths[v], registered_of_view, points_of_view);
+          note(evaluate_view(item, setup, scan.views[v].view, registered_of_view, points_of_view,
+                             register_points(points_of_view, {}), scan.part, outcome.values));
+        }
+        if (!apart || setup.measurands) append_usable(scan.views[v], scan.truths[v], registered, points);
       }
-      if (item.views == ViewPolicy::together)
-        note(evaluate_view(item, setup, kTogether, registered, points, scan.part, outcome.values));
+      if (!apart || setup.measurands) {
+        const RegistrationResult result = register_points(points, setup.datum_surfaces);
+        if (!apart)
+          note(evaluate_view(item, setup,
+                             item.views == ViewPolicy::together ? kTogether : scan.views.front().view,
+                             registered, points, result, scan.part, outcome.values));
+        if (setup.measurands)
+          note(evaluate_part(setup, registered, points, result, scan.part, outcome.values));
+      }
     } catch (const InputError& failure) {
       note(failure.what());
     }
@@ -214,7 +280,14 @@ StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
         impl_->views.push_back(view);
   }
   impl_->of_view = view_quantities(study);
+  for (const StudyCase& item : cases_)
+    for (const Quantity& quantity : part_quantities(item.scenario))
+      if (std::none_of(impl_->of_part.begin(), impl_->of_part.end(),
+                       [&](const Quantity& known) { return known.name == quantity.name; }))
+        impl_->of_part.push_back(quantity);
   impl_->choose_quantities();
+  for (std::size_t number = 0; number < cases_.size(); ++number)
+    impl_->prepare_measurands(cases_[number], impl_->setups[number]);
 }
 
 StudyModel::~StudyModel() = default;

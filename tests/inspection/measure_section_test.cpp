@@ -1,6 +1,7 @@
 // Covers: chord, thickness, edge radii, stagger, twist and displacement of an elliptic cylinder that was
 // scaled, turned and shifted, against closed forms; bow; sections outside the part and without points; an
-// edge that was not measured; limits of the specification.
+// edge that was not measured; limits of the specification; the same features of a known section, also across
+// an oblique plane.
 #include "inspection/measure_section.h"
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 
 #include "geometry/error.h"
 #include "geometry/random.h"
+#include "inspection/known_section.h"
 #include "tests/inspection/fixtures.h"
 
 namespace trueblade {
@@ -177,6 +179,52 @@ TEST(MeasureSection, BowIsTheDistanceFromTheLineOfTheEnds) {
   EXPECT_NEAR(sections[1].find("bow_y")->measured, -0.02, 1e-12);
   EXPECT_NEAR(sections[1].find("bow_x")->uncertainty, 0.001 * std::sqrt(1.0 + 0.75 * 0.75 + 0.25 * 0.25),
               1e-12);
+}
+
+TEST(KnownSection, AScaledSectionScalesItsLengths) {
+  const RegistrationTarget target(elliptic_cylinder());
+  constexpr double scale = 1.002;
+  const SectionResult section =
+      KnownSection(target, {}, 0.0).features([](const Vec3& p, const Vec3&) -> Vec3 {
+        return {(scale - 1.0) * p.x(), (scale - 1.0) * p.y(), 0.0};
+      });
+  for (const char* name : {"chord", "maximum_thickness", "leading_edge_radius", "trailing_edge_radius"})
+    EXPECT_NEAR(value(section, name) / section.find(name)->nominal, scale, 1e-6) << name;
+  EXPECT_NEAR(value(section, "chord"), 30.0 * scale, 1e-4);
+  EXPECT_NEAR(value(section, "maximum_thickness"), 4.0 * scale, 1e-4);
+  for (const char* name : {"stagger", "twist", "displacement_x", "displacement_y"})
+    EXPECT_NEAR(section.find(name)->deviation(), 0.0, 1e-6) << name;
+}
+
+TEST(KnownSection, ATurnedAndShiftedSectionKeepsItsShape) {
+  const RegistrationTarget target(elliptic_cylinder());
+  constexpr double twist = 1e-3;
+  const Vec3 shift(0.02, -0.03, 0.0);
+  const SectionResult section =
+      KnownSection(target, {}, 0.0).features([&](const Vec3& p, const Vec3&) -> Vec3 {
+        return rotation_from_vector(Vec3(0, 0, twist)) * p + shift - p;
+      });
+  // The best fit is linear: the sine of a milliradian and its cosine on 15 mm, 8 nm.
+  EXPECT_NEAR(value(section, "twist"), twist, 1e-8);
+  EXPECT_NEAR(value(section, "displacement_x"), shift.x(), 1e-5);
+  EXPECT_NEAR(value(section, "displacement_y"), shift.y(), 1e-5);
+  EXPECT_NEAR(section.find("stagger")->deviation(), twist, 1e-8);
+  EXPECT_NEAR(section.find("chord")->deviation(), 0.0, 1e-8);
+  EXPECT_NEAR(section.find("maximum_thickness")->deviation(), 0.0, 1e-6);
+}
+
+// A layer of 0.05 mm on a cylinder that is cut at 45 degrees across its thickness is 0.05 sqrt(2) mm thick.
+TEST(KnownSection, ALayerCutObliquely) {
+  const RegistrationTarget target(elliptic_cylinder());
+  SectionsSpec oblique;
+  oblique.normal = Vec3(0, 1, 1).normalized();
+  const SectionResult section =
+      KnownSection(target, oblique, 0.0).features([](const Vec3&, const Vec3& normal) -> Vec3 {
+        return 0.05 * normal;
+      });
+  EXPECT_NEAR(section.find("maximum_thickness")->nominal, 4.0 * std::numbers::sqrt2, 1e-4);
+  EXPECT_NEAR(section.find("maximum_thickness")->deviation(), 0.1 * std::numbers::sqrt2, 1e-4);
+  EXPECT_NEAR(section.find("chord")->deviation(), 0.1, 1e-4);
 }
 
 }  // namespace

@@ -1,0 +1,52 @@
+// The quantities that a study keeps of the part as a whole: errors of what the inspection block of the
+// scenario asks for, features of blade sections and offsets between groups of surfaces.
+//
+//   part.section_HEIGHT_FEATURE_error_UNIT        features as in kSectionFeatures
+//   part.offset_GROUP_COMPONENT_error_UNIT        of every group but the first, from the first
+//
+// Errors are measured minus true. The true features are those of the nominal outline displaced as the form
+// errors say (KnownSection). The true offset is the rigid displacement, by least squares, of the true surface
+// at the measured points of either group.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/study/view_quantities.h"
+#include "inspection/evaluation.h"
+#include "inspection/known_section.h"
+
+namespace trueblade {
+
+// Names without "part."; empty when the scenario asks for neither sections nor groups.
+std::vector<Quantity> part_quantities(const Scenario& scenario);
+
+class PartMeasurands {
+ public:
+  // `wanted`: names of part_quantities; what none of them needs is not measured. `fixed_part`: the virtual
+  // part, where it is the same in every trial. Keeps a reference to the target. Throws InputError when a
+  // section misses the part or the part on the table is another one, whose true features nobody knows.
+  PartMeasurands(const RegistrationTarget& target, const Scenario& scenario,
+                 const std::vector<std::string>& wanted, const std::optional<VirtualPart>& fixed_part);
+
+  // The wanted values by name, of all points as one scan at its registered pose; NaN where the inspection has
+  // no number. May run from any number of threads.
+  std::map<std::string, double> evaluate(const ScanPoints& scan, const RegistrationResult& registration,
+                                         const RegisteredPoints& truth, const VirtualPart& part) const;
+
+ private:
+  std::vector<SectionResult> known_sections(const VirtualPart& part) const;
+
+  const RegistrationTarget& target_;
+  RegistrationOptions options_;
+  DeviationSurface surface_;
+  EvaluationSpec spec_;
+  std::vector<std::string> wanted_;
+  std::vector<KnownSection> sections_;
+  std::optional<std::vector<SectionResult>> fixed_;  // of a part that is the same in every trial
+  std::vector<std::vector<std::uint32_t>> groups_;   // surfaces of each
+};
+
+}  // namespace trueblade
