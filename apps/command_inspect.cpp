@@ -45,26 +45,38 @@ bool tell_decisions(const EvaluationResult& evaluation) {
   return all_conform;
 }
 
-void print_explanation(const InspectionResult& result, const std::filesystem::path& folder) {
+// Ctrl-C, or a view that failed, leaves only some of the files of a run: those that are there are named.
+void print_files(const InspectionResult& result, const std::filesystem::path& folder) {
+  const auto tell = [&](const std::string& file, const std::string& what) {
+    if (std::filesystem::exists(folder / file)) fmt::print("  {}  {}\n", file, what);
+  };
+  fmt::print("\nReport: {}\n", folder.string());
+  for (const ViewResult& view : result.views) {
+    tell(view.view + ".png", "the part with the points coloured by deviation");
+    tell(fmt::format("deviations_{}.ply", view.view), "the same for CloudCompare or MeshLab");
+    tell(fmt::format("scan_{}.ply", view.view), "the points as measured");
+    tell(view.view + ".exr", "the range image");
+  }
+  tell("report.html", "all of it to look at, in any browser, without a network");
+  tell("statistics.csv", "of each view and surface, for a spreadsheet");
+  tell("features.csv", "profiles, sections and offsets, for a spreadsheet");
+  tell("result.json", "all numbers");
+  tell("resolved.yaml", "the scenario with all defaults, which runs again");
+}
+
+void print_run(const InspectionRun& run, const std::filesystem::path& folder) {
+  if (run.result.views.empty()) {
+    fmt::print("No view was finished: there is no report. {} holds what was measured; --resume goes on.\n",
+               folder.string());
+    return;
+  }
+  fmt::print("{}", inspection_table(run.result));
   fmt::print(R"(
 RMS, min and max are signed distances of the measured points from the nominal surface after registration, positive
 outside the material; points beyond 3 standard deviations (black in the picture) are left out. The initial RMS is
 that of the machine set-up alone. The pose error compares with the true pose, which only a simulation knows.
-
-Report: {}
-)",
-             folder.string());
-  for (const ViewResult& view : result.views)
-    fmt::print(
-        "  {0}.png  the part with the points coloured by deviation;  deviations_{0}.ply  the same for "
-        "CloudCompare "
-        "or MeshLab\n"
-        "  scan_{0}.ply  the points as measured;  {0}.exr  the range image\n",
-        view.view);
-  fmt::print(
-      "  report.html  all of it to look at, in any browser, without a network; statistics.csv and "
-      "features.csv\n"
-      "  result.json  all numbers;  resolved.yaml  the scenario with all defaults, which runs again\n");
+)");
+  print_files(run.result, folder);
 }
 
 int inspect(const InspectOptions& options, bool json) {
@@ -77,8 +89,7 @@ int inspect(const InspectOptions& options, bool json) {
   if (json) {
     fmt::print("{}\n", result_json(run.result).dump(2));
   } else {
-    fmt::print("{}", inspection_table(run.result));
-    print_explanation(run.result, folder);
+    print_run(run, folder);
   }
   bool all_well = true, all_made = run.result.evaluation.missing.empty();
   for (const ViewResult& view : run.result.views) {

@@ -19,6 +19,7 @@ extern "C" void note_interrupt(int signal) {
 void catch_interrupts() {
   std::signal(SIGINT, note_interrupt);
   std::signal(SIGTERM, note_interrupt);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupted() {

@@ -4,6 +4,7 @@
 
 namespace trueblade {
 
+// Also lets a file that outgrows the user's limit (SIGXFSZ) fail as on a full disk, with a message.
 void catch_interrupts();
 bool interrupted();
 

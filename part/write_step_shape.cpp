@@ -6,14 +6,15 @@
 #include <STEPConstruct.hxx>
 #include <STEPControl_Writer.hxx>
 #include <StepBasic_Product.hxx>
+#include <StepData_Protocol.hxx>
 #include <StepData_StepModel.hxx>
+#include <StepData_StepWriter.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
 
 #include "geometry/atomic_file.h"
-#include "geometry/error.h"
 #include "part/cad_guard.h"
 
 namespace trueblade {
@@ -55,7 +56,8 @@ void write_header(const STEPControl_Writer& writer, const std::string& product) 
 
 void write_step_shape(const CadShape& cad, const std::string& product,
                       const std::filesystem::path& step_file) {
-  write_path_atomically(step_file, [&](const std::filesystem::path& temporary) {
+  // Through our own stream, which says why when it cannot write; the kernel's writer of files does not.
+  write_file_atomically(step_file, [&](std::ostream& out) {
     with_cad_kernel(step_file, "written", [&] {
       STEPControl_Writer writer;
       Interface_Static::SetCVal("write.step.schema", "AP214IS");
@@ -64,8 +66,9 @@ void write_step_shape(const CadShape& cad, const std::string& product,
       name_product(writer, product);
       name_faces(writer, cad);
       write_header(writer, product);
-      if (writer.Write(temporary.c_str()) != IFSelect_RetDone)
-        throw file_error(step_file.string(), "could not be written");
+      StepData_StepWriter lines(Handle(StepData_StepModel)::DownCast(writer.WS()->Model()));
+      lines.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
+      lines.Print(out);
     });
   });
 }

@@ -565,10 +565,12 @@ function sections() {
       if (s.missing) return element('div', {}, title, element('p', {class: 'bad'}, s.missing));
       const rows = s.features.map(f => {
         const {factor: k, unit} = kFeatureUnits(f);
-        return [f.name.replace(/_/g, ' '), unit, scaled(k, f.nominal), isNumber(f.measured) ? mm(k * f.measured) : {text: f.reason, kind: 'doubt'}, scaled(k, f.deviation), scaled(2 * k, f.standard_uncertainty), f.method];
+        const found = isNumber(f.measured) ? [mm(k * f.measured), scaled(k, f.deviation), scaled(2 * k, f.standard_uncertainty)] : null;
+        return element('tr', {}, element('td', {class: 'text'}, f.name.replace(/_/g, ' ')), element('td', {}, unit), element('td', {}, scaled(k, f.nominal)),
+          ...(found ? found.map(x => element('td', {}, x)) : [element('td', {class: 'text doubt', colspan: 3}, f.reason)]), element('td', {class: 'text method'}, f.method));
       });
-      const feature = element('table', {}, element('thead', {}, element('tr', {}, ...['Feature', 'Unit', 'Nominal', 'Measured', 'Deviation', 'U (k = 2)', 'Method'].map((h, c) => element('th', {class: c === 0 || c === 6 ? 'text' : ''}, h)))),
-        element('tbody', {}, ...rows.map(row => element('tr', {}, ...row.map((x, c) => element('td', {class: (c === 0 || c === 6 ? 'text ' : '') + (x && x.kind || '') + (c === 3 && x && x.kind ? ' text' : '')}, String(x && x.text !== undefined ? x.text : x)))))));
+      const feature = element('table', {}, element('thead', {}, element('tr', {}, ...['Feature', 'Unit', 'Nominal', 'Measured', 'Deviation', 'U (k = 2)', 'Method'].map((h, c) => element('th', {class: ['text', '', '', '', '', '', 'text method'][c]}, h)))),
+        element('tbody', {}, ...rows));
       return element('div', {class: 'blade'}, element('div', {}, title, sectionPlot(s, factor), element('p', {class: 'quiet'}, `${s.points} points, ${percent(s.covered_percent)} of the outline. Thin: nominal; bold: measured, exaggerated ${factor} times; dashed: tolerance.`)), feature);
     }));
   };

@@ -73,6 +73,11 @@ class Query {
     if (code == SQLITE_BUSY || code == SQLITE_LOCKED)
       throw file_error(file_, "is locked: another process works on it");
     if (code == SQLITE_FULL) throw file_error(file_, "the disk is full; what was finished before is kept");
+    // SQLITE_FULL is the disk alone. SQLite does not hand on which other error of writing it was.
+    if (sqlite3_extended_errcode(database_) == SQLITE_IOERR_WRITE)
+      throw file_error(file_,
+                       "cannot be written (a quota, a limit of the file size, or a fault of the disk); "
+                       "what was finished before is kept");
     if (code == SQLITE_NOTADB || code == SQLITE_CORRUPT)
       throw file_error(file_, "is not an SQLite file of a study, or is damaged");
     throw file_error(file_, sqlite3_errmsg(database_));

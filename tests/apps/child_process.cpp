@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,12 +17,17 @@ namespace {
 
 [[noreturn]] void become_trueblade(const std::vector<std::string>& arguments,
                                    const std::filesystem::path& working_folder,
-                                   const std::filesystem::path& out, const std::filesystem::path& err) {
+                                   const std::filesystem::path& out, const std::filesystem::path& err,
+                                   std::size_t largest_file_bytes) {
   const int out_file = open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   const int err_file = open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
   dup2(out_file, STDOUT_FILENO);
   dup2(err_file, STDERR_FILENO);
   if (chdir(working_folder.c_str()) != 0) _exit(126);
+  if (largest_file_bytes > 0) {
+    const rlimit limit{largest_file_bytes, largest_file_bytes};
+    if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(126);
+  }
   std::vector<char*> words;
   std::string program = TRUEBLADE_PROGRAM;
   words.push_back(program.data());
@@ -40,7 +46,7 @@ ChildResult run_trueblade(const std::vector<std::string>& arguments,
   const std::filesystem::path out = scratch / "out", err = scratch / "err";
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) become_trueblade(arguments, working_folder, out, err);
+  if (child == 0) become_trueblade(arguments, working_folder, out, err, options.largest_file_bytes);
 
   ChildResult result;
   const auto deadline =
@@ -52,6 +58,7 @@ ChildResult run_trueblade(const std::vector<std::string>& arguments,
       kill(child, SIGINT);
       to_interrupt = false;
     }
+    if (options.kill_when && options.kill_when()) kill(child, SIGKILL);
     if (std::chrono::steady_clock::now() > deadline) {
       kill(child, SIGKILL);
       waitpid(child, &status, 0);

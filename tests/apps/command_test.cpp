@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/apps/sample_inputs.h"
 
@@ -62,7 +63,17 @@ TEST(Inspect, LeavesAWholeRunFolder) {
         "deviations_turned.ply", "front.exr", "turned.exr", "front.png", "turned.png"})
     EXPECT_GT(std::filesystem::file_size(folder / "run" / file), 100u) << file;
   EXPECT_NE(result.out.find("RMS"), std::string::npos);
-  EXPECT_NE(result.out.find("run"), std::string::npos);  // where the report is
+  EXPECT_NE(result.out.find("Report: run"), std::string::npos) << result.out;
+  // Every file that is named is there.
+  std::istringstream lines(result.out.substr(result.out.find("Report: run")));
+  std::string line;
+  std::getline(lines, line);
+  std::size_t named = 0;
+  for (; std::getline(lines, line); ++named) {
+    const std::string file = line.substr(2, line.find("  ", 2) - 2);
+    EXPECT_TRUE(std::filesystem::exists(folder / "run" / file)) << line;
+  }
+  EXPECT_GE(named, 10u) << result.out;
 
   const Json document = result_of(folder / "run");
   ASSERT_EQ(document["views"].size(), 2u);
@@ -232,6 +243,15 @@ TEST(Part, FacetsAndMakesFilesThatItReadsBack) {
   EXPECT_EQ(Json::parse(blade.out)["closed"], true);
 }
 
+TEST(Part, AFullDiskIsNamedAsTheReason) {
+  const ScratchFolder folder;
+  const ChildResult made = run_trueblade({"part", "make", "formed_part", "--out", "formed.step"},
+                                         folder.path(), {.largest_file_bytes = 100'000});
+  EXPECT_EQ(made.exit_code, 2) << made.ended_by;
+  EXPECT_NE(made.err.find("formed.step: cannot be written: File too large"), std::string::npos) << made.err;
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(Regress, HoldsScenariosToTheirExpectations) {
   const CubeFolder folder;
   folder.write("holds.yaml",
@@ -331,6 +351,12 @@ TEST(Interrupt, KeepsWhatWasMeasured) {
   EXPECT_TRUE(std::filesystem::exists(folder / "run/scan_front.ply"));
   EXPECT_FALSE(std::filesystem::exists(folder / "run/scan_turned.ply"));
   EXPECT_FALSE(std::filesystem::exists(folder / "run/result.json"));
+  // No table without rows, and no file is promised that is not there.
+  EXPECT_EQ(result.out.find("RMS mm"), std::string::npos) << result.out;
+  for (const char* file : {"front.png", "front.exr", "report.html", "result.json", "statistics.csv"})
+    EXPECT_EQ(result.out.find(file), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("No view was finished"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("--resume"), std::string::npos) << result.out;
 }
 
 }  // namespace

@@ -78,6 +78,48 @@ TEST_F(StudyTest, CtrlCLeavesAStateThatGoesOn) {
   EXPECT_EQ(rows("run"), rows("whole"));
 }
 
+// What was finished before a run is kept whatever ends it, and the statement is that of a run without an end.
+class EndedStudyTest : public StudyTest {
+ protected:
+  static constexpr int kBefore = 100, kWhole = 300;
+
+  EndedStudyTest() {
+    EXPECT_EQ(run({"study.yaml", "--trials", "300", "--out", "whole"}).exit_code, 0);
+    EXPECT_EQ(run({"study.yaml", "--trials", "100", "--out", "run"}).exit_code, 0);
+  }
+  std::uintmax_t stored_bytes() const { return std::filesystem::file_size(folder_ / "run/trials.sqlite"); }
+
+  void expect_that_it_goes_on() const {
+    const ChildResult resumed = run({"study.yaml", "--trials", "300", "--out", "run", "--resume"});
+    ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
+    const std::string before_count = "trueblade: study: ";
+    const int to_do = std::atoi(resumed.err.c_str() + resumed.err.find(before_count) + before_count.size());
+    EXPECT_LE(to_do, kWhole - kBefore) << resumed.err;
+    EXPECT_EQ(text_of(folder_ / "run/study.json"), text_of(folder_ / "whole/study.json"));
+  }
+};
+
+TEST_F(EndedStudyTest, AKillLeavesAStateThatGoesOnToTheSameStatement) {
+  const std::uintmax_t before = stored_bytes();
+  ChildOptions options;
+  options.kill_when = [&] { return stored_bytes() > before; };  // a transaction is being written, or just was
+  const ChildResult killed = run({"study.yaml", "--trials", "100000", "--out", "run", "--resume"}, options);
+  EXPECT_EQ(killed.ended_by, "signal 9") << killed.err;
+  expect_that_it_goes_on();
+}
+
+TEST_F(EndedStudyTest, AFullDiskLosesTheBlockInFlightAndSaysWhy) {
+  ChildOptions options;
+  options.largest_file_bytes = stored_bytes() + 50'000;  // 40 trials
+  const ChildResult full = run({"study.yaml", "--trials", "100000", "--out", "run", "--resume"}, options);
+  EXPECT_EQ(full.exit_code, 2) << full.ended_by;
+  EXPECT_NE(full.err.find("run/trials.sqlite: cannot be written (a quota, a limit of the file size"),
+            std::string::npos)
+      << full.err;
+  EXPECT_NE(full.err.find("what was finished before is kept"), std::string::npos) << full.err;
+  expect_that_it_goes_on();
+}
+
 TEST_F(StudyTest, TwoRanksGiveTheSameRows) {
   if (std::system("command -v mpirun > /dev/null") != 0) GTEST_SKIP() << "there is no mpirun here";
   const std::string ranks =
