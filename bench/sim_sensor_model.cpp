@@ -77,11 +77,14 @@ int main() {
   std::vector<Curve> signal, snr, sigma;
   for (const Finish& f : finishes) {
     const SensorModel model = f.model;
-    const auto at = [=](double degrees) { return mean_signal(model, lens, 0.0, degrees * kDegree); };
+    const auto at = [=](double degrees) {
+      return mean_signal(model, lens, 0.0, std::cos(degrees * kDegree));
+    };
     signal.push_back({f.name, f.colour, at});
     snr.push_back({f.name, f.colour, [=](double degrees) { return signal_to_noise(model, at(degrees)); }});
     sigma.push_back({f.name, f.colour, [=](double degrees) {
-                       return 1000.0 * distance_sigma_mm(model, lens, at(degrees), degrees * kDegree);
+                       return 1000.0 *
+                              distance_sigma_mm(model, lens, at(degrees), std::cos(degrees * kDegree));
                      }});
   }
   draw(50, "signal", "incidence, degrees", 0, 75, 1, signal);
@@ -91,11 +94,11 @@ int main() {
   draw(1130, "sigma over the working range, um (matt)", "range less standoff, mm", -0.35, 0.35, 8,
        {{"0 degrees", "#2a7f3f",
          [=](double offset) {
-           return 1000.0 * distance_sigma_mm(matt, lens, mean_signal(matt, lens, offset, 0.0), 0.0);
+           return 1000.0 * distance_sigma_mm(matt, lens, mean_signal(matt, lens, offset, 1.0), 1.0);
          }},
         {"45 degrees", "#3355bb", [=](double offset) {
-           const double i = 45.0 * kDegree;
-           return 1000.0 * distance_sigma_mm(matt, lens, mean_signal(matt, lens, offset, i), i);
+           const double cosine = std::cos(45.0 * kDegree);
+           return 1000.0 * distance_sigma_mm(matt, lens, mean_signal(matt, lens, offset, cosine), cosine);
          }}});
   fmt::print("</svg>\n");
   return 0;

@@ -2,18 +2,21 @@
 
 #include <Random123/philox.h>
 
-#include <cmath>
-
 #include "geometry/fnv1a.h"
 
 namespace trueblade {
 namespace {
 
-template <std::size_t N>
-double polynomial(const std::array<double, N>& coefficients, double x) {
-  double value = coefficients[N - 1];
-  for (std::size_t i = N - 1; i-- > 0;) value = value * x + coefficients[i];
-  return value;
+std::array<std::uint64_t, 4> philox_block(std::uint64_t seed, std::uint64_t trial, std::uint64_t stream,
+                                          std::uint64_t block) {
+  const r123::Philox4x64 philox;
+  const auto words = philox({{block, stream, 0, 0}}, {{seed, trial}});
+  return {words[0], words[1], words[2], words[3]};
+}
+
+// The middle of one of 2^52 equal cells: exact in double, and never 0 or 1.
+double uniform_of(std::uint64_t bits) {
+  return (static_cast<double>(bits >> 12) + 0.5) * 0x1p-52;
 }
 
 }  // namespace
@@ -30,9 +33,7 @@ Rng Rng::at(std::uint64_t index) const {
 std::uint64_t Rng::bits() {
   const std::uint64_t word = index_ % 4;
   if (word == 0 || !block_drawn_) {
-    const r123::Philox4x64 philox;
-    const auto block = philox({{index_ / 4, stream_, 0, 0}}, {{seed_, trial_}});
-    block_ = {block[0], block[1], block[2], block[3]};
+    block_ = philox_block(seed_, trial_, stream_, index_ / 4);
     block_drawn_ = true;
   }
   ++index_;
@@ -40,8 +41,12 @@ std::uint64_t Rng::bits() {
 }
 
 double Rng::uniform() {
-  // The middle of one of 2^52 equal cells: exact in double, and never 0 or 1.
-  return (static_cast<double>(bits() >> 12) + 0.5) * 0x1p-52;
+  return uniform_of(bits());
+}
+
+std::array<double, 4> Rng::uniforms_of_block(std::uint64_t block) const {
+  const auto words = philox_block(seed_, trial_, stream_, block);
+  return {uniform_of(words[0]), uniform_of(words[1]), uniform_of(words[2]), uniform_of(words[3])};
 }
 
 double Rng::normal() {
@@ -53,57 +58,6 @@ Vec3 Rng::normal_vector() {
   const double y = normal();
   const double z = normal();
   return {x, y, z};
-}
-
-double inverse_normal(double p) {
-  // Wichura (1988), Applied Statistics 37, 477-484, PPND16: three rational approximations, for |p - 1/2| <=
-  // 0.425, for the near tail and for the far tail. Coefficients from the constant term upwards.
-  constexpr std::array<double, 8> kA{
-      3.3871328727963666080e0,  1.3314166789178437745e+2, 1.9715909503065514427e+3, 1.3731693765509461125e+4,
-      4.5921953931549871457e+4, 6.7265770927008700853e+4, 3.3430575583588128105e+4, 2.5090809287301226727e+3};
-  constexpr std::array<double, 8> kB{1.0,
-                                     4.2313330701600911252e+1,
-                                     6.8718700749205790830e+2,
-                                     5.3941960214247511077e+3,
-                                     2.1213794301586595867e+4,
-                                     3.9307895800092710610e+4,
-                                     2.8729085735721942674e+4,
-                                     5.2264952788528545610e+3};
-  constexpr std::array<double, 8> kC{1.42343711074968357734e0,  4.63033784615654529590e0,
-                                     5.76949722146069140550e0,  3.64784832476320460504e0,
-                                     1.27045825245236838258e0,  2.41780725177450611770e-1,
-                                     2.27238449892691845833e-2, 7.74545014278341407640e-4};
-  constexpr std::array<double, 8> kD{1.0,
-                                     2.05319162663775882187e0,
-                                     1.67638483018380384940e0,
-                                     6.89767334985100004550e-1,
-                                     1.48103976427480074590e-1,
-                                     1.51986665636164571966e-2,
-                                     5.47593808499534494600e-4,
-                                     1.05075007164441684324e-9};
-  constexpr std::array<double, 8> kE{6.65790464350110377720e0,  5.46378491116411436990e0,
-                                     1.78482653991729133580e0,  2.96560571828504891230e-1,
-                                     2.65321895265761230930e-2, 1.24266094738807843860e-3,
-                                     2.71155556874348757815e-5, 2.01033439929228813265e-7};
-  constexpr std::array<double, 8> kF{1.0,
-                                     5.99832206555887937690e-1,
-                                     1.36929880922735805310e-1,
-                                     1.48753612908506148525e-2,
-                                     7.86869131145613259100e-4,
-                                     1.84631831751005468180e-5,
-                                     1.42151175831644588870e-7,
-                                     2.04426310338993978564e-15};
-
-  const double q = p - 0.5;
-  if (std::abs(q) <= 0.425) {
-    const double r = 0.180625 - q * q;  // 0.425^2 - q^2
-    return q * polynomial(kA, r) / polynomial(kB, r);
-  }
-  const double tail = q < 0.0 ? p : 1.0 - p;
-  const double r = std::sqrt(-std::log(tail));
-  const double deviate = r <= 5.0 ? polynomial(kC, r - 1.6) / polynomial(kD, r - 1.6)
-                                  : polynomial(kE, r - 5.0) / polynomial(kF, r - 5.0);
-  return q < 0.0 ? -deviate : deviate;
 }
 
 }  // namespace trueblade

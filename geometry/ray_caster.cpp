@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <stdexcept>
 #include <tuple>
 #include <vector>
@@ -72,11 +73,42 @@ std::vector<std::array<std::uint32_t, 3>> welded_facets(const FacetModel& model)
   return facets;
 }
 
+// What the double test needs of a facet, side by side: two cache lines.
+struct alignas(64) FacetInSpace {
+  std::array<Vec3, 3> corners_mm;
+  Vec3 area_mm2;  // twice the area times the normal
+  Vec3 normal;
+};
+
+// A ray as Embree takes it.
+struct SceneRay {
+  Eigen::Vector3f origin, direction;
+  float near, far;
+};
+
+RTCRayHit query_of(const SceneRay& ray) {
+  RTCRayHit query{};
+  query.ray.org_x = ray.origin.x();
+  query.ray.org_y = ray.origin.y();
+  query.ray.org_z = ray.origin.z();
+  query.ray.dir_x = ray.direction.x();
+  query.ray.dir_y = ray.direction.y();
+  query.ray.dir_z = ray.direction.z();
+  query.ray.tnear = ray.near;
+  query.ray.tfar = ray.far;
+  query.ray.mask = 0xffffffffu;
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.primID = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
+
+// Rays that Embree takes at once.
+constexpr std::size_t kPacket = 8;
+
 }  // namespace
 
 struct RayCaster::Impl {
-  std::vector<Vec3> nodes_mm;
-  std::vector<std::array<std::uint32_t, 3>> facets;
+  std::vector<FacetInSpace> facets;
   FacetEdges edges;                                         // between welded nodes
   std::vector<std::array<std::uint32_t, 3>> edge_of_facet;  // edge number of edge k
   Eigen::AlignedBox3d box;                                  // of the part, larger by kFloatSlack
@@ -86,7 +118,14 @@ struct RayCaster::Impl {
   std::unique_ptr<RTCSceneTy, SceneRelease> scene;
 
   explicit Impl(const FacetModel& model);
-  void build_scene();
+  void build_scene(const FacetModel& model, std::span<const std::array<std::uint32_t, 3>> nodes_of_facet);
+
+  // Nothing where the ray passes by the box.
+  std::optional<SceneRay> in_scene(const Ray& ray, double min_range_mm, double max_range_mm) const;
+
+  // From the facet that Embree gave, or RTC_INVALID_GEOMETRY_ID, to the hit.
+  std::optional<RayHit> first_hit(const Ray& ray, const SceneRay& scene_ray, std::uint32_t facet_of_embree,
+                                  double min_range_mm, double max_range_mm) const;
 
   // The ray against one facet in double: the range on its plane, and where the ray passes its edges.
   struct LocalHit {
@@ -107,12 +146,13 @@ struct RayCaster::Impl {
     double min_range_mm, max_range_mm;
   };
   static void reject_in_double(const RTCFilterFunctionNArguments* arguments);
+
+ private:
+  Impl(const FacetModel& model, std::span<const std::array<std::uint32_t, 3>> nodes_of_facet);
 };
 
 RayCaster::Impl::LocalHit RayCaster::Impl::hit_on_facet(const Ray& ray, std::uint32_t facet) const {
-  const auto& n = facets[facet];
-  const std::array<Vec3, 3> corners{nodes_mm[n[0]], nodes_mm[n[1]], nodes_mm[n[2]]};
-  const Vec3 area = triangle_area_vector(corners[0], corners[1], corners[2]);
+  const auto& [corners, area, normal] = facets[facet];
   const double facing = area.dot(ray.direction);
   // Seen edge-on it has no range (no number: that fails every comparison), and the search goes on all around.
   if (facing == 0.0) return {std::numeric_limits<double>::quiet_NaN(), {}, {true, true, true}, 0.0};
@@ -124,10 +164,14 @@ RayCaster::Impl::LocalHit RayCaster::Impl::hit_on_facet(const Ray& ray, std::uin
     const Vec3 edge = corners[(k + 1) % 3] - corners[k];
     const Vec3 to_origin = ray.origin_mm - corners[k];
     const double volume = edge.dot(to_origin.cross(ray.direction));
-    const double length = edge.norm();
-    const double rounding = kEdgeUlps * length * to_origin.norm();
     const double inward = facing > 0.0 ? volume : -volume;
     hit.weight[(k + 2) % 3] = volume / facing;
+    // Most rays pass far inside: twice the rounding, so that what the squares round away does not matter.
+    constexpr double kClearlyInside = 4.0 * kEdgeUlps * kEdgeUlps;
+    if (inward > 0.0 && inward * inward > kClearlyInside * (edge.squaredNorm() * to_origin.squaredNorm()))
+      continue;
+    const double length = edge.norm();
+    const double rounding = kEdgeUlps * length * to_origin.norm();
     hit.beyond[k] = inward <= rounding;
     if (inward < -rounding) hit.miss_mm = std::max(hit.miss_mm, -inward / length);
   }
@@ -166,11 +210,7 @@ std::optional<RayHit> RayCaster::Impl::hit_near_facet(const Ray& ray, std::uint3
     }
   }
   if (best == kNoFacet || (best_hit.miss_mm > 0.0 && count < kMostCandidates)) return std::nullopt;
-  const auto& n = facets[best];
-  return RayHit{best_hit.range_mm,
-                best,
-                triangle_area_vector(nodes_mm[n[0]], nodes_mm[n[1]], nodes_mm[n[2]]).stableNormalized(),
-                {best_hit.weight[1], best_hit.weight[2]}};
+  return RayHit{best_hit.range_mm, best, facets[best].normal, {best_hit.weight[1], best_hit.weight[2]}};
 }
 
 void RayCaster::Impl::reject_in_double(const RTCFilterFunctionNArguments* arguments) {
@@ -180,7 +220,8 @@ void RayCaster::Impl::reject_in_double(const RTCFilterFunctionNArguments* argume
     arguments->valid[0] = 0;
 }
 
-void RayCaster::Impl::build_scene() {
+void RayCaster::Impl::build_scene(const FacetModel& model,
+                                  std::span<const std::array<std::uint32_t, 3>> nodes_of_facet) {
   device.reset(rtcNewDevice(nullptr));
   if (!device) throw std::runtime_error("Embree gives no device");
   scene.reset(rtcNewScene(device.get()));
@@ -189,15 +230,17 @@ void RayCaster::Impl::build_scene() {
 
   RTCGeometry geometry = rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), nodes_mm.size()));
-  auto* indices = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(
-      geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), facets.size()));
+      geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), model.node_count()));
+  auto* indices = static_cast<std::uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t),
+                              nodes_of_facet.size()));
   if (vertices == nullptr || indices == nullptr) throw std::bad_alloc();
-  for (std::size_t i = 0; i < nodes_mm.size(); ++i) {
-    const Eigen::Vector3f node = ((nodes_mm[i] - centre_mm) * scene_from_mm).cast<float>();
-    std::copy_n(node.data(), 3, vertices + 3 * i);
+  for (std::uint32_t i = 0; i < model.node_count(); ++i) {
+    const Eigen::Vector3f node = ((model.node_mm(i) - centre_mm) * scene_from_mm).cast<float>();
+    std::copy_n(node.data(), 3, vertices + 3 * std::size_t{i});
   }
-  for (std::size_t i = 0; i < facets.size(); ++i) std::copy_n(facets[i].data(), 3, indices + 3 * i);
+  for (std::size_t i = 0; i < nodes_of_facet.size(); ++i)
+    std::copy_n(nodes_of_facet[i].data(), 3, indices + 3 * i);
   rtcCommitGeometry(geometry);
   rtcAttachGeometry(scene.get(), geometry);
   rtcReleaseGeometry(geometry);
@@ -205,9 +248,17 @@ void RayCaster::Impl::build_scene() {
   if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
-RayCaster::Impl::Impl(const FacetModel& model)
-    : facets(welded_facets(model)), edges(facets, model.node_count()), edge_of_facet(facets.size()) {
-  for (std::uint32_t node = 0; node < model.node_count(); ++node) nodes_mm.push_back(model.node_mm(node));
+RayCaster::Impl::Impl(const FacetModel& model) : Impl(model, welded_facets(model)) {}
+
+RayCaster::Impl::Impl(const FacetModel& model, std::span<const std::array<std::uint32_t, 3>> nodes_of_facet)
+    : edges(nodes_of_facet, model.node_count()), edge_of_facet(nodes_of_facet.size()) {
+  facets.reserve(nodes_of_facet.size());
+  for (const auto& nodes : nodes_of_facet) {
+    const std::array<Vec3, 3> corners{model.node_mm(nodes[0]), model.node_mm(nodes[1]),
+                                      model.node_mm(nodes[2])};
+    const Vec3 area = triangle_area_vector(corners[0], corners[1], corners[2]);
+    facets.push_back({corners, area, area.stableNormalized()});
+  }
   for (std::uint32_t edge = 0; edge < edges.size(); ++edge)
     for (const EdgeUse& use : edges.uses(edge)) edge_of_facet[use.facet][use.edge] = edge;
 
@@ -217,7 +268,36 @@ RayCaster::Impl::Impl(const FacetModel& model)
   scene_from_mm = std::ldexp(1.0, -std::ilogb(half_size) - 1);
   box.min().array() -= kFloatSlack * half_size;
   box.max().array() += kFloatSlack * half_size;
-  build_scene();
+  build_scene(model, nodes_of_facet);
+}
+
+std::optional<SceneRay> RayCaster::Impl::in_scene(const Ray& ray, double min_range_mm,
+                                                  double max_range_mm) const {
+  if (!(min_range_mm <= max_range_mm)) return std::nullopt;
+  const Interval in_box = inside(box, ray);
+  const double begin = std::max(in_box.begin, min_range_mm), end = std::min(in_box.end, max_range_mm);
+  if (!(begin <= end)) return std::nullopt;
+  return SceneRay{((ray.origin_mm + in_box.begin * ray.direction - centre_mm) * scene_from_mm).cast<float>(),
+                  ray.direction.cast<float>(),
+                  static_cast<float>(std::max(0.0, (begin - in_box.begin) * scene_from_mm - kRangeSlack)),
+                  static_cast<float>((end - in_box.begin) * scene_from_mm + kRangeSlack)};
+}
+
+// Embree's hit does not always count in double: it may lie out of the limits, or just past an outline. Then
+// every candidate is put to the double test as Embree meets it.
+std::optional<RayHit> RayCaster::Impl::first_hit(const Ray& ray, const SceneRay& scene_ray,
+                                                 std::uint32_t facet_of_embree, double min_range_mm,
+                                                 double max_range_mm) const {
+  if (facet_of_embree == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  if (const auto hit = hit_near_facet(ray, facet_of_embree, min_range_mm, max_range_mm)) return hit;
+
+  FilterContext context{{}, this, &ray, min_range_mm, max_range_mm};
+  rtcInitIntersectContext(&context.embree);
+  context.embree.filter = Impl::reject_in_double;
+  RTCRayHit filtered = query_of(scene_ray);
+  rtcIntersect1(scene.get(), &context.embree, &filtered);
+  if (filtered.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  return hit_near_facet(ray, filtered.hit.primID, min_range_mm, max_range_mm);
 }
 
 RayCaster::RayCaster(const FacetModel& model) : impl_(std::make_unique<Impl>(model)) {}
@@ -226,41 +306,54 @@ RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
 std::optional<RayHit> RayCaster::first_hit(const Ray& ray, double min_range_mm, double max_range_mm) const {
-  if (!(min_range_mm <= max_range_mm)) return std::nullopt;
-  const Interval in_box = inside(impl_->box, ray);
-  const double begin = std::max(in_box.begin, min_range_mm), end = std::min(in_box.end, max_range_mm);
-  if (!(begin <= end)) return std::nullopt;
+  const auto scene_ray = impl_->in_scene(ray, min_range_mm, max_range_mm);
+  if (!scene_ray) return std::nullopt;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query = query_of(*scene_ray);
+  rtcIntersect1(impl_->scene.get(), &context, &query);
+  return impl_->first_hit(ray, *scene_ray, query.hit.primID, min_range_mm, max_range_mm);
+}
 
-  const Eigen::Vector3f entry =
-      ((ray.origin_mm + in_box.begin * ray.direction - impl_->centre_mm) * impl_->scene_from_mm)
-          .cast<float>();
-  const Eigen::Vector3f direction = ray.direction.cast<float>();
-  RTCRayHit query{};
-  query.ray.org_x = entry.x();
-  query.ray.org_y = entry.y();
-  query.ray.org_z = entry.z();
-  query.ray.dir_x = direction.x();
-  query.ray.dir_y = direction.y();
-  query.ray.dir_z = direction.z();
-  query.ray.tnear =
-      static_cast<float>(std::max(0.0, (begin - in_box.begin) * impl_->scene_from_mm - kRangeSlack));
-  query.ray.tfar = static_cast<float>((end - in_box.begin) * impl_->scene_from_mm + kRangeSlack);
-  query.ray.mask = 0xffffffffu;
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-
-  Impl::FilterContext context{{}, impl_.get(), &ray, min_range_mm, max_range_mm};
-  rtcInitIntersectContext(&context.embree);
-  RTCRayHit filtered = query;
-  rtcIntersect1(impl_->scene.get(), &context.embree, &query);
-  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  if (const auto hit = impl_->hit_near_facet(ray, query.hit.primID, min_range_mm, max_range_mm)) return hit;
-
-  // The rare case: Embree's hit does not count in double (out of the limits, or just past an outline). Then
-  // every candidate is put to the double test as Embree meets it.
-  context.embree.filter = Impl::reject_in_double;
-  rtcIntersect1(impl_->scene.get(), &context.embree, &filtered);
-  if (filtered.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  return impl_->hit_near_facet(ray, filtered.hit.primID, min_range_mm, max_range_mm);
+void RayCaster::first_hits(std::span<const Ray> rays, double min_range_mm, double max_range_mm,
+                           std::span<std::optional<RayHit>> hits) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kPacket) {
+    const std::size_t count = std::min(kPacket, rays.size() - begin);
+    alignas(32) std::array<int, kPacket> valid{};
+    alignas(32) RTCRayHit8 query{};
+    std::array<std::optional<SceneRay>, kPacket> scene_rays;
+    for (std::size_t k = 0; k < count; ++k) {
+      scene_rays[k] = impl_->in_scene(rays[begin + k], min_range_mm, max_range_mm);
+      query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+      if (!scene_rays[k]) continue;
+      valid[k] = -1;
+      query.ray.org_x[k] = scene_rays[k]->origin.x();
+      query.ray.org_y[k] = scene_rays[k]->origin.y();
+      query.ray.org_z[k] = scene_rays[k]->origin.z();
+      query.ray.dir_x[k] = scene_rays[k]->direction.x();
+      query.ray.dir_y[k] = scene_rays[k]->direction.y();
+      query.ray.dir_z[k] = scene_rays[k]->direction.z();
+      query.ray.tnear[k] = scene_rays[k]->near;
+      query.ray.tfar[k] = scene_rays[k]->far;
+      query.ray.mask[k] = 0xffffffffu;
+    }
+    rtcIntersect8(valid.data(), impl_->scene.get(), &context, &query);
+    // The facets of all eight are on their way from memory before the first is looked at.
+    for (std::size_t k = 0; k < count; ++k)
+      if (query.hit.primID[k] != RTC_INVALID_GEOMETRY_ID) {
+        const char* const facet = reinterpret_cast<const char*>(&impl_->facets[query.hit.primID[k]]);
+        __builtin_prefetch(facet);
+        __builtin_prefetch(facet + 64);
+      }
+    for (std::size_t k = 0; k < count; ++k)
+      hits[begin + k] = scene_rays[k] ? impl_->first_hit(rays[begin + k], *scene_rays[k], query.hit.primID[k],
+                                                         min_range_mm, max_range_mm)
+                                      : std::nullopt;
+  }
 }
 
 }  // namespace trueblade

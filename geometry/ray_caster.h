@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "geometry/facet_model.h"
 
@@ -35,6 +36,12 @@ class RayCaster {
   // facet; nullopt: the ray misses, or holds a number that is not finite. A ray through an edge or a node
   // hits one of the facets there: surfaces do not leak. May be called from any number of threads.
   std::optional<RayHit> first_hit(const Ray& ray, double min_range_mm, double max_range_mm) const;
+
+  // The first hit of each of many rays, as first_hit gives it. Rays beside each other in the list that are
+  // also beside each other in space, as those of a scan line are, cost less together than one by one.
+  // Precondition: hits.size() == rays.size().
+  void first_hits(std::span<const Ray> rays, double min_range_mm, double max_range_mm,
+                  std::span<std::optional<RayHit>> hits) const;
 
  private:
   struct Impl;

@@ -48,9 +48,10 @@ ProbeSample LatchedProbe::measure(const Trigger& trigger) {
   const std::uint64_t point = first_point_ ? *first_point_ + position_ : kFreeReadings + free_readings_++;
   const AxisPositions velocity = last_ ? velocity_between(*last_, trigger) : AxisPositions{};
   last_ = trigger;
-  return measure_at(part_, setup_, true_machine_, sensor_stream_, trigger.axes, velocity, trigger.time_s,
-                    point)
-      .sample;
+  const AxisState at{trigger.axes, velocity, trigger.time_s};
+  VirtualMeasurement measured;
+  measure_at(part_, setup_, true_machine_, sensor_stream_, {&at, 1}, point, {&measured, 1});
+  return measured.sample;
 }
 
 }  // namespace trueblade

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -82,7 +83,7 @@ std::string_view stream_name(ErrorScope scope) {
 
 // Draws per index in a scope's stream, one place per source and some for sources to come.
 constexpr std::uint64_t kPlacesPerIndex = 64;
-static_assert(kErrorSourceCount <= kPlacesPerIndex);
+static_assert(kErrorSourceCount <= kPlacesPerIndex && kPlacesPerIndex % 4 == 0);
 
 }  // namespace
 
@@ -110,22 +111,27 @@ std::uint64_t replicate_start(std::uint32_t replicate) {
 }
 
 void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sources, const Rng& stream,
-                 std::uint64_t index, ErrorValues& values) {
-  Rng rng = stream;
-  std::uint64_t next_place = 0;  // of rng; places of one block of four are taken from one block
-  for (const ErrorSource source : sources) {
-    const GaussianError& error = errors[source];
-    values[source] = error.mean;
-    if (error.sigma == 0.0) continue;
-    const std::uint64_t place =
-        replicate_start(error.replicate) + index * kPlacesPerIndex + static_cast<std::uint64_t>(source);
-    if (next_place == 0 || place / 4 != next_place / 4) {
-      rng = stream.at(place);
-      next_place = place;
+                 std::uint64_t first, std::size_t count, std::span<double> values) {
+  // The draw of a source lies at `place` of its index's stretch, a multiple of four draws long: sources of
+  // one block of four take their uniforms from one block.
+  const auto place = [&](std::size_t s) {
+    return replicate_start(errors[sources[s]].replicate) + static_cast<std::uint64_t>(sources[s]);
+  };
+  for (std::size_t begin = 0, end = 0; begin < sources.size(); begin = end) {
+    bool drawn = false;
+    for (end = begin; end < sources.size() && place(end) / 4 == place(begin) / 4; ++end)
+      drawn = drawn || errors[sources[end]].sigma != 0.0;
+    // Without a draw the deviate of the middle, 0, does.
+    if (!drawn) std::fill_n(values.data() + begin * count, (end - begin) * count, 0.5);
+    for (std::size_t k = 0; k < count && drawn; ++k) {
+      const auto uniforms = stream.uniforms_of_block(place(begin) / 4 + (first + k) * (kPlacesPerIndex / 4));
+      for (std::size_t s = begin; s < end; ++s) values[s * count + k] = uniforms[place(s) % 4];
     }
-    for (; next_place < place; ++next_place) rng.bits();
-    values[source] += error.sigma * rng.normal();
-    ++next_place;
+  }
+  inverse_normal(values);
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    const GaussianError& error = errors[sources[s]];
+    for (double& value : values.subspan(s * count, count)) value = error.mean + error.sigma * value;
   }
 }
 
@@ -134,7 +140,9 @@ void draw_errors(const MachineErrors& errors, ErrorScope scope, std::uint64_t se
   std::vector<ErrorSource> sources;
   for (std::size_t s = 0; s < kErrorSourceCount; ++s)
     if (errors[static_cast<ErrorSource>(s)].scope == scope) sources.push_back(static_cast<ErrorSource>(s));
-  draw_errors(errors, sources, error_stream(scope, seed, trial), index, values);
+  std::vector<double> drawn(sources.size());
+  draw_errors(errors, sources, error_stream(scope, seed, trial), index, 1, drawn);
+  for (std::size_t s = 0; s < sources.size(); ++s) values[sources[s]] = drawn[s];
 }
 
 }  // namespace trueblade

@@ -131,9 +131,11 @@ class ErrorValues {
 void draw_errors(const MachineErrors& errors, ErrorScope scope, std::uint64_t seed, std::uint64_t trial,
                  std::uint64_t index, ErrorValues& values);
 
-// The same for chosen sources of one scope, in ascending order; `stream` is error_stream(scope, seed, trial).
+// The same for chosen sources of one scope, in ascending order, and `count` indices from `first` on, source
+// by source: values[s * count + k] is sources[s] at index first + k. `stream` is error_stream(scope, seed,
+// trial). Precondition: values.size() == sources.size() * count.
 void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sources, const Rng& stream,
-                 std::uint64_t index, ErrorValues& values);
+                 std::uint64_t first, std::size_t count, std::span<double> values);
 Rng error_stream(ErrorScope scope, std::uint64_t seed, std::uint64_t trial);
 
 // Where a replicate begins in its stream. Replicates are 2^48 draws apart: 4 * 10^12 points of 64 sources.

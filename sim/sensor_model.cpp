@@ -53,17 +53,18 @@ SensorModel perfect_sensor() {
   return model;
 }
 
-double finish_signal(const SurfaceFinish& finish, double incidence_rad) {
-  const double diffuse = std::max(0.0, std::cos(incidence_rad));
+double finish_signal(const SurfaceFinish& finish, double incidence_cosine) {
+  const double diffuse = std::max(0.0, incidence_cosine);
   if (finish.specular_share == 0.0) return diffuse;
-  const double lobe = std::pow(std::max(0.0, std::cos(2.0 * incidence_rad)), finish.lobe_exponent);
+  const double cosine_of_twice = 2.0 * incidence_cosine * incidence_cosine - 1.0;
+  const double lobe = std::pow(std::max(0.0, cosine_of_twice), finish.lobe_exponent);
   return (1.0 - finish.specular_share) * diffuse + finish.specular_share * lobe;
 }
 
-double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm, double incidence_rad) {
+double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm, double incidence_cosine) {
   const double place = 2.0 * offset_mm / lens.working_range_mm;
   const double in_range = std::max(0.0, 1.0 - model.range_falloff * place * place);
-  return finish_signal(model.finish, incidence_rad) * in_range;
+  return finish_signal(model.finish, incidence_cosine) * in_range;
 }
 
 double signal_to_noise(const SensorModel& model, double signal) {
@@ -71,10 +72,13 @@ double signal_to_noise(const SensorModel& model, double signal) {
   return power > 0.0 ? power / (power + model.noise_to_signal * model.noise_to_signal) : 0.0;
 }
 
-double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_rad) {
+double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_cosine) {
   const double detector_mm = lens.accuracy_mm / signal;
-  const double spot_mm = model.spot_noise * lens.spot_diameter_mm * std::tan(incidence_rad);
-  return model.noise_scale * std::hypot(detector_mm, spot_mm);
+  const double tangent_squared =
+      (1.0 - incidence_cosine) * (1.0 + incidence_cosine) / (incidence_cosine * incidence_cosine);
+  const double per_tangent_mm = model.spot_noise * lens.spot_diameter_mm;
+  return model.noise_scale *
+         std::sqrt(detector_mm * detector_mm + per_tangent_mm * per_tangent_mm * tangent_squared);
 }
 
 double quantised_mm(const SensorModel& model, double distance_mm) {
@@ -83,7 +87,7 @@ double quantised_mm(const SensorModel& model, double distance_mm) {
 }
 
 SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
-                          double incidence_rad, double contrast, double speckle_deviate,
+                          double incidence_cosine, double contrast, double speckle_deviate,
                           double noise_deviate) {
   SensorReading reading{};
   const double offset_mm = true_range_mm - lens.standoff_mm;
@@ -91,16 +95,18 @@ SensorReading read_sensor(const SensorModel& model, const Lens& lens, double tru
     reading.flags.out_of_range = true;
     return reading;
   }
-  const double signal = contrast * mean_signal(model, lens, offset_mm, incidence_rad) *
+  const double signal = contrast * mean_signal(model, lens, offset_mm, incidence_cosine) *
                         std::exp(model.speckle * (speckle_deviate + model.speckle));
   reading.snr = signal_to_noise(model, signal);
-  if (incidence_rad > lens.max_incidence_rad || signal <= 0.0 || reading.snr < model.missed_snr) {
+  if (incidence_cosine < std::cos(lens.max_incidence_rad) || signal <= 0.0 ||
+      reading.snr < model.missed_snr) {
     reading.snr = 0.0;
     reading.flags.missed = true;
     return reading;
   }
   reading.flags.low_signal = reading.snr < model.low_signal_snr;
-  reading.distance_mm = true_range_mm + noise_deviate * distance_sigma_mm(model, lens, signal, incidence_rad);
+  reading.distance_mm =
+      true_range_mm + noise_deviate * distance_sigma_mm(model, lens, signal, incidence_cosine);
   return reading;
 }
 

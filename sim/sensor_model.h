@@ -56,17 +56,18 @@ struct SensorModel {
 // tells signal from signal.
 SensorModel perfect_sensor();
 
-// The share of the signal that the surface finish sends back at this incidence; 1 at normal incidence.
-double finish_signal(const SurfaceFinish& finish, double incidence_rad);
+// The share of the signal that the surface finish sends back at this cosine of the incidence; 1 at normal
+// incidence.
+double finish_signal(const SurfaceFinish& finish, double incidence_cosine);
 
 // Relative signal without speckle; `offset_mm`: true range minus standoff. Never negative.
-double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm, double incidence_rad);
+double mean_signal(const SensorModel& model, const Lens& lens, double offset_mm, double incidence_cosine);
 
 // SNR at a relative signal.
 double signal_to_noise(const SensorModel& model, double signal);
 
-// Standard deviation of the distance at a relative signal.
-double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_rad);
+// Standard deviation of the distance at a relative signal. Precondition: incidence_cosine > 0.
+double distance_sigma_mm(const SensorModel& model, const Lens& lens, double signal, double incidence_cosine);
 
 // The nearest step of the reported distance.
 double quantised_mm(const SensorModel& model, double distance_mm);
@@ -80,7 +81,7 @@ struct SensorReading {
 // One reading. `contrast`: share of the signal that the scene leaves (1 for a plane under the spot);
 // `speckle_deviate` and `noise_deviate` are independent standard normal numbers.
 SensorReading read_sensor(const SensorModel& model, const Lens& lens, double true_range_mm,
-                          double incidence_rad, double contrast, double speckle_deviate,
+                          double incidence_cosine, double contrast, double speckle_deviate,
                           double noise_deviate);
 
 }  // namespace trueblade

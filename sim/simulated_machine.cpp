@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
@@ -10,8 +12,8 @@
 namespace trueblade {
 namespace {
 
-// Draws of the sensor per point; read_probe uses three.
-constexpr std::uint64_t kSensorDrawsPerPoint = 4;
+// Points measured together: what is known of them between the steps stays in the cache.
+constexpr std::size_t kPointsTogether = 64;
 
 AxisPositions mean_velocity(const AxisPositions& from, const AxisPositions& to, double time_s) {
   return {(to.x_mm - from.x_mm) / time_s, (to.y_mm - from.y_mm) / time_s, (to.z_mm - from.z_mm) / time_s,
@@ -53,23 +55,33 @@ void VirtualSetup::validate() const {
     throw InputError("the travel limits must contain the home position (0 on every axis)");
 }
 
-VirtualMeasurement measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMachine& machine,
-                              const Rng& sensor_stream, const AxisPositions& encoders,
-                              const AxisPositions& velocity_per_s, double time_s, std::uint64_t point) {
-  const TrueMachine::Beam beam = machine.beam_at(encoders, velocity_per_s, time_s, point);
-  const ProbeReading probe = read_probe(
-      part, setup.sensor, setup.lens, beam.in_part, setup.sensor.exposure_s * beam.velocity_in_part_mm_per_s,
-      sensor_stream.at(replicate_start(setup.sensor_replicate) + kSensorDrawsPerPoint * point));
-  VirtualMeasurement measured{};
-  measured.truth = probe.truth;
-  measured.sample.axes = encoders;
-  measured.sample.time_s = time_s;
-  measured.sample.flags = probe.reading.flags;
-  measured.sample.snr = probe.reading.snr;
-  if (probe.reading.flags.usable())
-    measured.sample.distance_mm =
-        quantised_mm(setup.sensor, probe.reading.distance_mm + beam.distance_error_mm);
-  return measured;
+void measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMachine& machine,
+                const Rng& sensor_stream, std::span<const AxisState> at, std::uint64_t first_point,
+                std::span<VirtualMeasurement> measured) {
+  std::array<TrueMachine::Beam, kPointsTogether> beams;
+  std::array<ProbeDraws, kPointsTogether> draws;
+  std::array<Ray, kPointsTogether> rays;
+  std::array<std::optional<PartHit>, kPointsTogether> hits;
+  for (std::size_t begin = 0; begin < at.size(); begin += kPointsTogether) {
+    const std::size_t count = std::min(kPointsTogether, at.size() - begin);
+    machine.beams_at(at.subspan(begin, count), first_point + begin, std::span(beams).first(count));
+    draw_probe(sensor_stream, replicate_start(setup.sensor_replicate), first_point + begin,
+               std::span(draws).first(count));
+    for (std::size_t k = 0; k < count; ++k) rays[k] = beams[k].in_part;
+    first_hits(part, std::span(rays).first(count), std::numeric_limits<double>::infinity(),
+               std::span(hits).first(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      const ProbeReading probe =
+          read_probe(part, setup.sensor, setup.lens, rays[k],
+                     setup.sensor.exposure_s * beams[k].velocity_in_part_mm_per_s, draws[k], hits[k]);
+      VirtualMeasurement& m = measured[begin + k];
+      m.truth = probe.truth;
+      m.sample = {at[begin + k].axes, 0.0, probe.reading.snr, at[begin + k].time_s, probe.reading.flags};
+      if (probe.reading.flags.usable())
+        m.sample.distance_mm =
+            quantised_mm(setup.sensor, probe.reading.distance_mm + beams[k].distance_error_mm);
+    }
+  }
 }
 
 SimulatedMachine::SimulatedMachine(VirtualPart part, VirtualSetup setup)
@@ -127,7 +139,9 @@ void SimulatedMachine::move_to(const AxisPositions& target) {
 ProbeSample SimulatedMachine::measure_point() {
   require_ready();
   clock_s_ += 1.0 / setup_.lens.rate_hz;
-  const VirtualMeasurement measured = measure(at_, AxisPositions{}, clock_s_, point_++);
+  const AxisState standing{at_, {}, clock_s_};
+  VirtualMeasurement measured;
+  measure_at(part_, setup_, true_machine_, sensor_stream_, {&standing, 1}, point_++, {&measured, 1});
   hits_.push_back(measured.truth);
   return measured.sample;
 }
@@ -138,18 +152,18 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
   if (path.empty()) return 0;
   true_machine_.begin_line(line_++, path.front().theta_rad);
 
-  std::vector<double> time_s(path.size());
-  std::vector<AxisPositions> velocity(path.size());
+  std::vector<AxisState> at(path.size());
+  double time_s = clock_s_;
   for (std::size_t k = 0; k < path.size(); ++k) {
     const AxisPositions& before = k == 0 ? at_ : path[k - 1];
     const double interval_s = sample_interval_s(setup_.dynamics, setup_.lens, before, path[k]);
-    velocity[k] = mean_velocity(before, path[k], interval_s);
-    time_s[k] = (k == 0 ? clock_s_ : time_s[k - 1]) + interval_s;
+    time_s += interval_s;
+    at[k] = {path[k], mean_velocity(before, path[k], interval_s), time_s};
   }
   std::vector<VirtualMeasurement> measured(path.size());
   parallel_for_blocks(path.size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      measured[k] = measure(path[k], velocity[k], time_s[k], point_ + k);
+    measure_at(part_, setup_, true_machine_, sensor_stream_, std::span(at).subspan(begin, end - begin),
+               point_ + begin, std::span(measured).subspan(begin, end - begin));
   });
 
   std::size_t delivered = 0;
@@ -158,7 +172,7 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
       throw MachineFault(MachineFault::Kind::interrupted, "the machine was stopped during a line");
     const VirtualMeasurement& m = measured[delivered];
     at_ = path[delivered];
-    clock_s_ = time_s[delivered];
+    clock_s_ = at[delivered].time_s;
     hits_.push_back(m.truth);
     ++delivered;
     ++point_;
@@ -176,12 +190,6 @@ void SimulatedMachine::skip_measured(const MeasuredBefore& before) {
 
 void SimulatedMachine::stop() noexcept {
   if (state_ == MachineState::idle || state_ == MachineState::moving) state_ = MachineState::stopped;
-}
-
-VirtualMeasurement SimulatedMachine::measure(const AxisPositions& encoders,
-                                             const AxisPositions& velocity_per_s, double time_s,
-                                             std::uint64_t point) const {
-  return measure_at(part_, setup_, true_machine_, sensor_stream_, encoders, velocity_per_s, time_s, point);
 }
 
 SimulationTruth SimulatedMachine::take_truth() {

@@ -49,15 +49,16 @@ struct SimulationTruth {
   std::vector<std::optional<TrueHit>> hits;
 };
 
-// One reading of the virtual probe, with the encoders at `encoders`: what the machine hands out, and the
-// truth. `point` numbers the draws of the errors and of `sensor_stream`, see sensor_stream_of.
+// One reading of the virtual probe: what the machine hands out, and the truth.
 struct VirtualMeasurement {
   ProbeSample sample;
   std::optional<TrueHit> truth;
 };
-VirtualMeasurement measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMachine& machine,
-                              const Rng& sensor_stream, const AxisPositions& encoders,
-                              const AxisPositions& velocity_per_s, double time_s, std::uint64_t point);
+// Readings with the encoders at `at`. They are points number `first_point` and up: the number keys the draws
+// of the errors and of `sensor_stream`, see sensor_stream_of. Precondition: measured.size() == at.size().
+void measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMachine& machine,
+                const Rng& sensor_stream, std::span<const AxisState> at, std::uint64_t first_point,
+                std::span<VirtualMeasurement> measured);
 
 class SimulatedMachine final : public MachineDriver {
  public:
@@ -83,9 +84,6 @@ class SimulatedMachine final : public MachineDriver {
   void require_ready() const;
   void require_within_limits(const AxisPositions& target) const;
   void turn_to(double theta_rad);
-  VirtualMeasurement measure(const AxisPositions& encoders, const AxisPositions& velocity_per_s,
-                             double time_s, std::uint64_t point) const;
-
   VirtualPart part_;
   VirtualSetup setup_;
   TrueMachine true_machine_;

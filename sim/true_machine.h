@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/random.h"
@@ -10,6 +11,13 @@
 #include "sim/machine_errors.h"
 
 namespace trueblade {
+
+// What the encoders say when a sample is taken, `time_s` after the machine was switched on.
+struct AxisState {
+  AxisPositions axes;
+  AxisPositions velocity_per_s;
+  double time_s = 0.0;
+};
 
 class TrueMachine {
  public:
@@ -28,21 +36,23 @@ class TrueMachine {
     Vec3 velocity_in_part_mm_per_s;  // of the probe against the part, by the linear axes
     double distance_error_mm;
   };
-  // Encoders at `axes`, moving at `velocity_per_s`, `time_s` after the machine was switched on; `point`
-  // numbers the draw. Const: points of a line may be computed in any order and on any number of threads.
-  Beam beam_at(const AxisPositions& axes, const AxisPositions& velocity_per_s, double time_s,
-               std::uint64_t point) const;
+  // The beams at points number `first_point` and up. Const: points of a line may be computed in any order, in
+  // any groups, and on any number of threads. Precondition: beams.size() == at.size().
+  void beams_at(std::span<const AxisState> at, std::uint64_t first_point, std::span<Beam> beams) const;
+  Beam beam_at(const AxisState& at, std::uint64_t point) const;
 
   // Where the part truly stands, by the draws of the present view and line.
   RigidTransform mcs_from_part() const;
 
  private:
-  // The probe while its errors stand still: a fixed beam, and an origin that is linear in travel and time.
+  // The probe while its rotations stand still: a fixed beam, and an origin that is linear in travel, in time
+  // and in the shifts that are drawn for each point.
   struct SteadyChain {
     Vec3 origin_at_zero_mm;
-    Mat3 origin_per_travel;  // columns: per mm of x, y, z
-    Vec3 origin_per_s;       // thermal drift
-    Vec3 beam_in_stage;      // direction
+    Mat3 origin_per_travel;              // columns: per mm of x, y, z
+    Vec3 origin_per_s;                   // thermal drift
+    std::vector<Vec3> origin_per_value;  // of each of per_point_; 0 for what does not move the origin
+    Vec3 beam_in_stage;                  // direction
   };
   // The table and the part on it, at one rotary angle.
   struct SteadyTable {
@@ -50,6 +60,8 @@ class TrueMachine {
     RigidTransform part_from_stage;
   };
   void work_out(double theta_rad);
+  // With the draws of per_point_ for this point at drawn[0], drawn[stride], ...
+  Beam beam_with(const AxisState& at, std::span<const double> drawn, std::size_t stride) const;
   RigidTransform part_from_stage(double theta_rad, const ErrorValues& values) const;
 
   MachineGeometry nominal_;
@@ -59,10 +71,11 @@ class TrueMachine {
   ErrorValues values_;  // of the present set-up, view and line
 
   std::vector<ErrorSource> per_point_;  // sources to draw for each point, ascending
+  std::optional<std::size_t> time_base_drawn_as_, distance_drawn_as_;  // places in per_point_
   Rng point_stream_;
-  bool probe_chain_varies_ = false;  // a source of the chain, or of the beam, is drawn for each point
-  bool table_varies_ = false;
-  std::optional<SteadyChain> chain_;  // present unless it varies
+  bool probe_turns_ = false;   // a rotation of the chain or of the beam, or a drift, is drawn for each point
+  bool table_varies_ = false;  // a source of the table is
+  std::optional<SteadyChain> chain_;  // present unless the probe turns
   std::optional<SteadyTable> table_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -16,15 +17,13 @@ namespace {
 // 0.4 rad; beyond 30 degrees an edge is an edge of the part.
 const double kSharpCosine = std::cos(std::numbers::pi / 6.0);
 
-SharpFacets find_sharp_facets(const FacetModel& model) {
+std::vector<FacetOutline> outlines_of(const FacetModel& model) {
   std::vector<std::array<std::uint32_t, 3>> facets(model.facet_count());
   for (std::uint32_t f = 0; f < facets.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) facets[f][k] = model.welded_node(model.facet_nodes(f)[k]);
   const FacetEdges edges(facets, model.node_count());
 
-  SharpFacets sharp;
-  sharp.sharp_edges.assign(facets.size(), 0);
-  sharp.sharp_nodes.assign(facets.size(), 0);
+  std::vector<FacetOutline> outlines(facets.size());
   std::vector<char> node_is_sharp(model.node_count(), false);
   for (std::size_t edge = 0; edge < edges.size(); ++edge) {
     const auto uses = edges.uses(edge);
@@ -33,15 +32,22 @@ SharpFacets find_sharp_facets(const FacetModel& model) {
         model.facet_normal(uses[0].facet).dot(model.facet_normal(uses[1].facet)) > kSharpCosine;
     if (smooth) continue;
     for (const EdgeUse& use : uses) {
-      sharp.sharp_edges[use.facet] |= static_cast<std::uint8_t>(1 << use.edge);
+      outlines[use.facet].sharp_edges |= static_cast<std::uint8_t>(1 << use.edge);
       node_is_sharp[facets[use.facet][use.edge]] = true;
       node_is_sharp[facets[use.facet][(use.edge + 1) % 3]] = true;
     }
   }
-  for (std::size_t f = 0; f < facets.size(); ++f)
-    for (std::size_t k = 0; k < 3; ++k)
-      if (node_is_sharp[facets[f][k]]) sharp.sharp_nodes[f] |= static_cast<std::uint8_t>(1 << k);
-  return sharp;
+  for (std::uint32_t f = 0; f < facets.size(); ++f) {
+    const auto corners = model.corners_mm(f);
+    double longest_mm = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (node_is_sharp[facets[f][k]]) outlines[f].sharp_nodes |= static_cast<std::uint8_t>(1 << k);
+      longest_mm = std::max(longest_mm, (corners[(k + 1) % 3] - corners[k]).norm());
+    }
+    outlines[f].least_height_mm =
+        (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm() / longest_mm;
+  }
+  return outlines;
 }
 
 Vec2 nominal_parameters(const VirtualPart& part, std::uint32_t nominal_facet, const Vec3& near_mm) {
@@ -126,7 +132,7 @@ VirtualPart make_virtual_part(std::shared_ptr<const Part> nominal,
     part.nominal_tree = std::make_shared<const ClosestPointTree>(nominal->model);
     part.nominal_normals = std::make_shared<const PseudoNormals>(nominal->model);
   }
-  part.sharp_facets = std::make_shared<const SharpFacets>(find_sharp_facets(*part.model));
+  part.outlines = std::make_shared<const std::vector<FacetOutline>>(outlines_of(*part.model));
   return part;
 }
 
@@ -136,12 +142,28 @@ VirtualPart make_virtual_part(std::shared_ptr<const Part> nominal,
 }
 
 std::optional<PartHit> first_hit(const VirtualPart& part, const Ray& ray, double max_range_mm) {
-  const auto cast = part.caster->first_hit(ray, 0.0, max_range_mm);
-  if (!cast) return std::nullopt;
-  const PartHit hit{cast->range_mm, cast->normal, cast->facet, cast->barycentric, false, 0.0};
-  if (part.mode == PartSurfaceMode::exact)
-    if (const auto exact = meet_exact_surface(part, ray, hit)) return exact;
+  std::optional<PartHit> hit;
+  first_hits(part, {&ray, 1}, max_range_mm, {&hit, 1});
   return hit;
+}
+
+void first_hits(const VirtualPart& part, std::span<const Ray> rays, double max_range_mm,
+                std::span<std::optional<PartHit>> hits) {
+  constexpr std::size_t kTogether = 64;
+  std::array<std::optional<RayHit>, kTogether> casts;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kTogether) {
+    const std::size_t count = std::min(kTogether, rays.size() - begin);
+    part.caster->first_hits(rays.subspan(begin, count), 0.0, max_range_mm, std::span(casts).first(count));
+    for (std::size_t k = 0; k < count; ++k) {
+      std::optional<PartHit>& hit = hits[begin + k];
+      hit.reset();
+      if (!casts[k]) continue;
+      const RayHit& cast = *casts[k];
+      hit = PartHit{cast.range_mm, cast.normal, cast.facet, cast.barycentric, false, 0.0};
+      if (part.mode == PartSurfaceMode::exact)
+        if (const auto exact = meet_exact_surface(part, rays[begin + k], *hit)) hit = exact;
+    }
+  }
 }
 
 double true_deviation_mm(const VirtualPart& part, const Ray& ray, const PartHit& hit) {

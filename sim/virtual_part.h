@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "geometry/closest_point_tree.h"
@@ -18,17 +19,18 @@ namespace trueblade {
 // facets are an approximation of the part, as in the paper's Fig. 5c and 6b).
 enum class PartSurfaceMode : std::uint8_t { facets, exact };
 
-// Facets that a small spot may not see as a plane: those with a sharp edge, and those smaller than the spot.
-struct SharpFacets {
-  std::vector<std::uint8_t> sharp_edges;  // per facet: bit k, edge k (corner k to k + 1) is sharp or a rim
-  std::vector<std::uint8_t> sharp_nodes;  // bit k: corner k lies on a sharp edge or a rim
+// What of a facet a small spot may not see as a plane.
+struct FacetOutline {
+  double least_height_mm;    // of a corner over the opposite edge: a spot as large sees beyond the facet
+  std::uint8_t sharp_edges;  // bit k: edge k (corner k to k + 1) is sharp or a rim
+  std::uint8_t sharp_nodes;  // bit k: corner k lies on a sharp edge or a rim
 };
 
 struct VirtualPart {
   std::shared_ptr<const Part> nominal;
-  std::shared_ptr<const FacetModel> model;          // with form errors; the nominal model when there are none
-  std::shared_ptr<const RayCaster> caster;          // on `model`
-  std::shared_ptr<const SharpFacets> sharp_facets;  // of `model`
+  std::shared_ptr<const FacetModel> model;  // with form errors; the nominal model when there are none
+  std::shared_ptr<const RayCaster> caster;  // on `model`
+  std::shared_ptr<const std::vector<FacetOutline>> outlines;  // of the facets of `model`
   PartSurfaceMode mode = PartSurfaceMode::facets;
 
   // Of a part with form errors only:
@@ -59,6 +61,11 @@ struct PartHit {
 
 // First hit of the ray within [0, max_range_mm]. May be called from any number of threads.
 std::optional<PartHit> first_hit(const VirtualPart& part, const Ray& ray, double max_range_mm);
+
+// The same for many rays at once; cheaper where neighbours in the list are neighbours in space. Precondition:
+// hits.size() == rays.size().
+void first_hits(const VirtualPart& part, std::span<const Ray> rays, double max_range_mm,
+                std::span<std::optional<PartHit>> hits);
 
 // True deviation of the hit from the nominal part, positive outside the material: from the CAD surface where
 // the hit is refined, else from the nominal facets. 0 for a part without form errors.

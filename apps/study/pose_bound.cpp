@@ -16,8 +16,8 @@ Vec6 pose_bound(const Scenario& scenario, const FacetModel& model, const Registe
     // The signal that the reading had: its SNR inverted.
     const double signal = sensor.noise_to_signal * std::sqrt(point.snr / (1.0 - point.snr));
     const double sigma_mm =
-        distance_sigma_mm(sensor, scenario.machine.lens, signal, point.hit.incidence_rad) *
-        std::cos(point.hit.incidence_rad);
+        distance_sigma_mm(sensor, scenario.machine.lens, signal, point.hit.incidence_cosine) *
+        point.hit.incidence_cosine;
     if (!(sigma_mm > 0.0)) continue;
     const Vec3 normal = model.facet_normal(point.hit.facet);
     Vec6 j;

@@ -5,6 +5,7 @@
 #include "geometry/random.h"
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <algorithm>
 #include <array>
@@ -70,6 +71,14 @@ TEST(Rng, LeavesAndReturns) {
   for (int i = 49; i >= 0; --i) EXPECT_EQ(rng.at(static_cast<std::uint64_t>(i)).normal(), in_order[i]);
   Rng from_17 = Rng(1, 2, 3).at(17);
   for (int i = 17; i < 50; ++i) EXPECT_EQ(from_17.normal(), in_order[i]);
+}
+
+TEST(Rng, ABlockHoldsFourUniforms) {
+  const Rng rng(1, 2, 3);
+  for (const std::uint64_t block : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{1} << 50}) {
+    const auto uniforms = rng.uniforms_of_block(block);
+    for (std::uint64_t k = 0; k < 4; ++k) EXPECT_EQ(uniforms[k], rng.at(4 * block + k).uniform());
+  }
 }
 
 TEST(Rng, AnotherSeedTrialOrStreamIsAnotherSequence) {
@@ -168,6 +177,28 @@ TEST(InverseNormal, IsTheInverseEverywhere) {
     const double z = inverse_normal(p);
     EXPECT_NEAR(0.5 * std::erfc(-z / std::sqrt(2.0)), p, 2e-15) << p;
   }
+}
+
+TEST(InverseNormal, ManyAtOnceAreTheSameBitsOnEveryInstructionSet) {
+  std::vector<double> p{0.5,     0.075,        0.925, std::nextafter(0.075, 0.0), std::nextafter(0.925, 1.0),
+                        0x1p-53, 1.0 - 0x1p-53};
+  for (double tail = 1e-300; tail < 0.1; tail *= 1e3) p.push_back(tail);
+  Rng rng(3, 0, "many at once");
+  while (p.size() < 1003) p.push_back(rng.uniform());
+  for (const std::int64_t target : {HWY_SCALAR, HWY_EMU128, HWY_SSSE3, HWY_SSE4, HWY_AVX2, HWY_AVX3}) {
+    hwy::SetSupportedTargetsForTest(0);
+    if ((hwy::SupportedTargets() & target) == 0) continue;
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+    for (const std::size_t count : {std::size_t{1}, std::size_t{7}, std::size_t{256}, p.size()}) {
+      std::vector<double> z(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(count));
+      inverse_normal(z);
+      for (std::size_t i = 0; i < count; ++i)
+        EXPECT_EQ(z[i], inverse_normal(p[i])) << hwy::TargetName(target) << " " << p[i];
+    }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
 }
 
 TEST(InverseNormal, IsOddAndRising) {

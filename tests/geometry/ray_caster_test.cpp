@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "geometry/parallel.h"
@@ -223,6 +225,36 @@ TEST(RayCaster, ThreadsDoNotChangeTheAnswer) {
     for (std::size_t i = begin; i < end; ++i) parallel[i] = range(i);
   });
   for (std::size_t i = 0; i < kRays; ++i) ASSERT_EQ(parallel[i], range(i)) << i;
+}
+
+TEST(RayCaster, ManyRaysHitWhatEachHits) {
+  const FacetModel model = model_of(shapes::torus(10.0, 4.0, 60, 24));
+  const RayCaster caster(model);
+  Rng rng(9, 0, "many rays");
+  std::vector<Ray> rays;
+  for (int i = 0; i < 1003; ++i) {  // some of them miss; not a multiple of any packet
+    const Vec3 origin_mm = 40.0 * rng.normal_vector().normalized();
+    rays.push_back({origin_mm, (9.0 * rng.normal_vector() - origin_mm).normalized()});
+  }
+  rays[5].direction = Vec3::Zero();
+  rays[17].origin_mm.x() = std::numeric_limits<double>::quiet_NaN();
+  for (const auto& [least_mm, most_mm] : {std::pair(0.0, kInfinity), std::pair(33.0, 37.0)}) {
+    std::vector<std::optional<RayHit>> hits(rays.size());
+    caster.first_hits(rays, least_mm, most_mm, hits);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto alone = caster.first_hit(rays[i], least_mm, most_mm);
+      ASSERT_EQ(hits[i].has_value(), alone.has_value()) << i;
+      if (!alone) continue;
+      ++count;
+      EXPECT_EQ(hits[i]->facet, alone->facet);
+      EXPECT_EQ(hits[i]->range_mm, alone->range_mm);
+      EXPECT_EQ(hits[i]->normal, alone->normal);
+      EXPECT_EQ(hits[i]->barycentric, alone->barycentric);
+    }
+    EXPECT_GT(count, 100U);
+    EXPECT_LT(count, 1000U);
+  }
 }
 
 }  // namespace

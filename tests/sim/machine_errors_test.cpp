@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <vector>
 
 #include "geometry/error.h"
 
@@ -53,6 +54,36 @@ TEST(MachineErrors, ADrawDependsOnNoOtherSourceAndNoEarlierDraw) {
     draw_errors(together, ErrorScope::point, 7, 3, k, backward);
     EXPECT_EQ(backward[ErrorSource::eyx], drawn[k]);
   }
+}
+
+TEST(MachineErrors, ManyIndicesAtOnceDrawWhatEachDraws) {
+  MachineErrors errors;
+  std::vector<ErrorSource> sources;
+  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
+    const auto source = static_cast<ErrorSource>(s);
+    errors[source] = {0.1 * static_cast<double>(s), s % 5 == 0 ? 0.0 : 2.0, ErrorScope::point};
+    errors[source].replicate = s % 7 == 0 ? 3 : 0;
+    sources.push_back(source);
+  }
+  constexpr std::size_t kCount = 100;
+  std::vector<double> together(sources.size() * kCount);
+  draw_errors(errors, sources, error_stream(ErrorScope::point, 7, 3), 20, kCount, together);
+  for (std::size_t k = 0; k < kCount; ++k) {
+    ErrorValues alone;
+    draw_errors(errors, ErrorScope::point, 7, 3, 20 + k, alone);
+    for (std::size_t s = 0; s < sources.size(); ++s) EXPECT_EQ(together[s * kCount + k], alone[sources[s]]);
+  }
+}
+
+// Where each draw lies in the stream is what recorded results depend on.
+TEST(MachineErrors, ADrawIsTheSourcesPlaceInItsStream) {
+  MachineErrors errors;
+  errors[ErrorSource::ecc] = {0.5, 2.0, ErrorScope::point, 1};
+  ErrorValues values;
+  draw_errors(errors, ErrorScope::point, 7, 3, 20, values);
+  const std::uint64_t place =
+      (std::uint64_t{1} << 48) + 20 * 64 + static_cast<std::uint64_t>(ErrorSource::ecc);
+  EXPECT_EQ(values[ErrorSource::ecc], 0.5 + 2.0 * Rng(7, 3, "errors per point").at(place).normal());
 }
 
 TEST(MachineErrors, SeedTrialScopeIndexAndSourceAllMatter) {

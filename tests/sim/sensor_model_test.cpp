@@ -13,41 +13,43 @@
 namespace trueblade {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
+double cosine(double degrees) {
+  return std::cos(degrees * std::numbers::pi / 180.0);
+}
 
 TEST(SensorModel, TheBestPlaceHasFullSignalForEveryFinish) {
   const Lens lens = standard_lens("25mm");
   for (const SurfaceFinish& finish : {matt_finish(), ground_finish(), polished_finish()}) {
     SensorModel model;
     model.finish = finish;
-    EXPECT_DOUBLE_EQ(mean_signal(model, lens, 0.0, 0.0), 1.0);
+    EXPECT_DOUBLE_EQ(mean_signal(model, lens, 0.0, 1.0), 1.0);
   }
   EXPECT_DOUBLE_EQ(signal_to_noise(SensorModel{}, 1.0), 1.0 / 1.09);
   EXPECT_DOUBLE_EQ(signal_to_noise(SensorModel{}, 0.3), 0.5);
 }
 
 TEST(SensorModel, AMattSurfaceFollowsTheCosineAndAPolishedOneFallsFaster) {
-  EXPECT_NEAR(finish_signal(matt_finish(), 60.0 * kDegree), 0.5, 1e-15);
+  EXPECT_NEAR(finish_signal(matt_finish(), cosine(60.0)), 0.5, 1e-15);
   // Past 45 degrees only the diffuse tenth of a polished surface returns.
-  EXPECT_NEAR(finish_signal(polished_finish(), 60.0 * kDegree), 0.05, 1e-15);
-  EXPECT_LT(finish_signal(polished_finish(), 10.0 * kDegree), finish_signal(ground_finish(), 10.0 * kDegree));
-  EXPECT_LT(finish_signal(ground_finish(), 10.0 * kDegree), finish_signal(matt_finish(), 10.0 * kDegree));
+  EXPECT_NEAR(finish_signal(polished_finish(), cosine(60.0)), 0.05, 1e-15);
+  EXPECT_LT(finish_signal(polished_finish(), cosine(10.0)), finish_signal(ground_finish(), cosine(10.0)));
+  EXPECT_LT(finish_signal(ground_finish(), cosine(10.0)), finish_signal(matt_finish(), cosine(10.0)));
 }
 
 TEST(SensorModel, TheSignalFallsTowardsBothEndsOfTheRangeAlike) {
   const Lens lens = standard_lens("25mm");
   const SensorModel model;
-  EXPECT_NEAR(mean_signal(model, lens, 0.35, 0.0), 0.7, 1e-15);
-  EXPECT_EQ(mean_signal(model, lens, -0.2, 0.3), mean_signal(model, lens, 0.2, 0.3));
+  EXPECT_NEAR(mean_signal(model, lens, 0.35, 1.0), 0.7, 1e-15);
+  EXPECT_EQ(mean_signal(model, lens, -0.2, 0.9), mean_signal(model, lens, 0.2, 0.9));
 }
 
 TEST(SensorModel, NoiseCombinesDetectorAndSpot) {
   const Lens lens = standard_lens("25mm");
   const SensorModel model;
-  EXPECT_DOUBLE_EQ(distance_sigma_mm(model, lens, 1.0, 0.0), 0.003);
-  EXPECT_DOUBLE_EQ(distance_sigma_mm(model, lens, 0.5, 0.0), 0.006);
+  EXPECT_DOUBLE_EQ(distance_sigma_mm(model, lens, 1.0, 1.0), 0.003);
+  EXPECT_DOUBLE_EQ(distance_sigma_mm(model, lens, 0.5, 1.0), 0.006);
   // At 45 degrees the depth under the spot is its diameter, 0.014 mm.
-  EXPECT_NEAR(distance_sigma_mm(model, lens, 1.0, 45.0 * kDegree), std::hypot(0.003, 0.05 * 0.014), 1e-15);
+  EXPECT_NEAR(distance_sigma_mm(model, lens, 1.0, cosine(45.0)), std::hypot(0.003, 0.05 * 0.014), 1e-15);
 }
 
 TEST(SensorModel, TheDistanceErrorHasTheLenssAccuracyAtTheBestPlace) {
@@ -58,7 +60,7 @@ TEST(SensorModel, TheDistanceErrorHasTheLenssAccuracyAtTheBestPlace) {
   double sum = 0.0, sum_of_squares = 0.0, sum_of_fourth = 0.0;
   for (int k = 0; k < kReadings; ++k) {
     const double speckle = rng.normal();
-    const SensorReading reading = read_sensor(model, lens, lens.standoff_mm, 0.0, 1.0, speckle, rng.normal());
+    const SensorReading reading = read_sensor(model, lens, lens.standoff_mm, 1.0, 1.0, speckle, rng.normal());
     const double error = (reading.distance_mm - lens.standoff_mm) / 0.003;
     sum += error;
     sum_of_squares += error * error;
@@ -77,21 +79,22 @@ TEST(SensorModel, TheDistanceErrorHasTheLenssAccuracyAtTheBestPlace) {
 TEST(SensorModel, FlagsFollowRangeIncidenceAndSignal) {
   const Lens lens = standard_lens("25mm");
   const SensorModel model;
-  const auto flags_at = [&](double offset_mm, double incidence_rad) {
-    return read_sensor(model, lens, lens.standoff_mm + offset_mm, incidence_rad, 1.0, 0.0, 0.0).flags;
+  const auto flags_at = [&](double offset_mm, double incidence_degrees) {
+    return read_sensor(model, lens, lens.standoff_mm + offset_mm, cosine(incidence_degrees), 1.0, 0.0, 0.0)
+        .flags;
   };
   EXPECT_EQ(flags_at(0.0, 0.0).bits(), 0);
   EXPECT_TRUE(flags_at(0.3499, 0.0).usable());
   EXPECT_TRUE(flags_at(0.3501, 0.0).out_of_range);
   EXPECT_TRUE(flags_at(-0.3501, 0.0).out_of_range);
-  EXPECT_TRUE(flags_at(0.0, 76.0 * kDegree).missed);  // beyond the lens's 75 degrees
+  EXPECT_TRUE(flags_at(0.0, 76.0).missed);  // beyond the lens's 75 degrees
   // SNR 0.5 is passed where the signal is 0.3, which has a mean deviate of speckle at exp(0.04) cos = 0.3, 73
   // degrees.
-  EXPECT_FALSE(flags_at(0.0, 72.0 * kDegree).low_signal);
-  EXPECT_TRUE(flags_at(0.0, 74.0 * kDegree).low_signal);
+  EXPECT_FALSE(flags_at(0.0, 72.0).low_signal);
+  EXPECT_TRUE(flags_at(0.0, 74.0).low_signal);
   SensorModel polished;
   polished.finish = polished_finish();
-  const ProbeFlags weak = read_sensor(polished, lens, lens.standoff_mm, 60.0 * kDegree, 1.0, 0.0, 0.0).flags;
+  const ProbeFlags weak = read_sensor(polished, lens, lens.standoff_mm, cosine(60.0), 1.0, 0.0, 0.0).flags;
   EXPECT_TRUE(weak.low_signal);
   EXPECT_TRUE(weak.usable());
 }

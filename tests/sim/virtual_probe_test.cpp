@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "geometry/error.h"
@@ -47,11 +48,18 @@ Ray down_at(double x_mm, double standoff_mm) {
 
 const Rng kRandom(1, 0, "probe test");
 
+ProbeReading read(const VirtualPart& part, const SensorModel& model, const Lens& lens, const Ray& beam,
+                  const Vec3& smear_mm, std::uint64_t point = 0) {
+  ProbeDraws draws;
+  draw_probe(kRandom, 0, point, {&draws, 1});
+  const auto hit = first_hit(part, beam, std::numeric_limits<double>::infinity());
+  return read_probe(part, model, lens, beam, smear_mm, draws, hit);
+}
+
 TEST(VirtualProbe, AwayFromEdgesTheSpotIsAPoint) {
   const VirtualPart part = virtual_part(step(0.01));
   const Lens lens = standard_lens("25mm");
-  const ProbeReading reading =
-      read_probe(part, noiseless(), lens, down_at(-1.0, 25.0), Vec3::Zero(), kRandom);
+  const ProbeReading reading = read(part, noiseless(), lens, down_at(-1.0, 25.0), Vec3::Zero());
   EXPECT_NEAR(reading.reading.distance_mm, 25.0, 1e-12);
   EXPECT_EQ(reading.truth->surface, 0u);
   EXPECT_NEAR(reading.reading.snr, 1.0 / 1.09, 1e-12);
@@ -64,8 +72,7 @@ TEST(VirtualProbe, OverAStepTheReadingIsBetweenItsLevels) {
   double before_mm = 25.0;
   double least_snr = 1.0;
   for (double x = -0.010; x <= 0.010; x += 0.001) {
-    const SensorReading reading =
-        read_probe(part, noiseless(), lens, down_at(x, 25.0), Vec3::Zero(), kRandom).reading;
+    const SensorReading reading = read(part, noiseless(), lens, down_at(x, 25.0), Vec3::Zero()).reading;
     EXPECT_LE(reading.distance_mm, before_mm + 1e-12);  // descends from one level to the other
     before_mm = reading.distance_mm;
     least_snr = std::min(least_snr, reading.snr);
@@ -82,9 +89,8 @@ TEST(VirtualProbe, MotionDuringTheExposureWidensTheSpot) {
   const VirtualPart part = virtual_part(step(0.01));
   const Lens lens = standard_lens("25mm");
   const Ray beam = down_at(-0.03, 25.0);
-  const double still = read_probe(part, noiseless(), lens, beam, Vec3::Zero(), kRandom).reading.distance_mm;
-  const double moving =
-      read_probe(part, noiseless(), lens, beam, {0.1, 0.0, 0.0}, kRandom).reading.distance_mm;
+  const double still = read(part, noiseless(), lens, beam, Vec3::Zero()).reading.distance_mm;
+  const double moving = read(part, noiseless(), lens, beam, {0.1, 0.0, 0.0}).reading.distance_mm;
   EXPECT_NEAR(still, 25.0, 1e-12);
   EXPECT_LT(moving, 25.0 - 0.001);  // the 0.1 mm smear reaches 0.05 mm ahead, over the step
 }
@@ -92,11 +98,11 @@ TEST(VirtualProbe, MotionDuringTheExposureWidensTheSpot) {
 TEST(VirtualProbe, PastTheRimOfAPlateNothingReturns) {
   const VirtualPart part = virtual_part(testing::plate(0.0, 20.0));
   const Lens lens = standard_lens("25mm");
-  const ProbeReading off = read_probe(part, noiseless(), lens, down_at(10.1, 25.0), Vec3::Zero(), kRandom);
+  const ProbeReading off = read(part, noiseless(), lens, down_at(10.1, 25.0), Vec3::Zero());
   EXPECT_TRUE(off.reading.flags.missed);
   EXPECT_FALSE(off.truth.has_value());
   // On the very rim part of the light returns, from the plane itself.
-  const ProbeReading rim = read_probe(part, noiseless(), lens, down_at(9.999, 25.0), Vec3::Zero(), kRandom);
+  const ProbeReading rim = read(part, noiseless(), lens, down_at(9.999, 25.0), Vec3::Zero());
   EXPECT_NEAR(rim.reading.distance_mm, 25.0, 1e-12);
   EXPECT_LT(rim.reading.snr, 1.0 / 1.09 - 1e-3);
 }
@@ -116,7 +122,7 @@ TEST(VirtualProbe, InAMirrorCornerLightReturnsOverTheSecondSurface) {
   const double from_corner_mm = 0.2;
   const Ray beam{Vec3(-from_corner_mm, 0.0, 0.4) - 24.8 * along, along};
   model.multiple_reflection = 0.0;
-  EXPECT_NEAR(read_probe(part, model, lens, beam, Vec3::Zero(), kRandom).reading.distance_mm, 24.8, 1e-12);
+  EXPECT_NEAR(read(part, model, lens, beam, Vec3::Zero()).reading.distance_mm, 24.8, 1e-12);
 
   // Mirrored: 0.2 sqrt(2) to the wall point (0, 0.2), which lies as far along the beam as the floor point
   // (-0.2, 0): half of the detour is 0.1 sqrt(2).
@@ -125,8 +131,7 @@ TEST(VirtualProbe, InAMirrorCornerLightReturnsOverTheSecondSurface) {
   both.multiple_reflection = 1.0;  // so that specular_share, a half of the points, takes the long way
   int direct = 0, lengthened = 0;
   for (std::uint64_t k = 0; k < 400; ++k) {
-    const double distance =
-        read_probe(part, both, lens, beam, Vec3::Zero(), kRandom.at(4 * k)).reading.distance_mm;
+    const double distance = read(part, both, lens, beam, Vec3::Zero(), k).reading.distance_mm;
     if (std::abs(distance - 24.8) < 1e-9) ++direct;
     if (std::abs(distance - (24.8 + 0.1 * std::sqrt(2.0))) < 1e-9) ++lengthened;
   }
@@ -140,7 +145,7 @@ TEST(VirtualProbe, TheTrueDeviationIsTheFormErrorThatWasPutIn) {
   const Lens lens = standard_lens("25mm");
   for (const double x : {0.0, 1.5, 3.0, 7.0}) {
     const Ray beam{{x, 25.0, 0.1}, -Vec3::UnitY()};
-    const ProbeReading reading = read_probe(part, noiseless(), lens, beam, Vec3::Zero(), kRandom);
+    const ProbeReading reading = read(part, noiseless(), lens, beam, Vec3::Zero());
     ASSERT_TRUE(reading.truth.has_value());
     const double r = std::hypot(x, 0.1);
     const double put_in = r < 5.0 ? 0.1 * (1.0 + std::cos(std::numbers::pi * r / 5.0)) : 0.0;
