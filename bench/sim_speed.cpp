@@ -170,10 +170,15 @@ int main(int argc, char** argv) {
     return 2;
   }
   fmt::print(
-      "# Speed of complete virtual measurements\n\nMade by `sim_speed turbineblade.ply`. Millions per "
-      "second, best of five, all on the same rays (about 100,000 of one\nview). A measurement is: motion and "
-      "clock, 53 error sources (11 drawn for every point), the ray, the hit in double,\nspot and edge check, "
-      "signal, noise, SNR, flags, truth, and delivery through the driver.\n\n"
+      "# Speed of complete virtual measurements\n\nMade by `sim_speed turbineblade.ply`. Millions per second "
+      "of "
+      "processor time (of all threads together, so that\nother programs on the machine do not count), best "
+      "of five, "
+      "all on the same rays (about 100,000 of one view). A\nmeasurement is: motion and clock, 53 error "
+      "sources (11 "
+      "drawn for every point), the ray, the hit in double, spot and\nedge check, signal, noise, SNR, flags, "
+      "truth, "
+      "and delivery through the driver.\n\n"
       "| part | facets | threads | bare `rtcIntersect1` | measurements | share | with exact refinement | "
       "share "
       "|\n|---|---|---|---|---|---|---|---|\n");

@@ -8,6 +8,8 @@
 
 #include "geometry/error.h"
 #include "geometry/facet_edges.h"
+#include "part/exact_ray_hit.h"
+#include "part/facet_parameters.h"
 #include "sim/deform_model.h"
 
 namespace trueblade {
@@ -50,18 +52,6 @@ std::vector<FacetOutline> outlines_of(const FacetModel& model) {
   return outlines;
 }
 
-Vec2 nominal_parameters(const VirtualPart& part, std::uint32_t nominal_facet, const Vec3& near_mm) {
-  const auto corners = part.nominal->model.corners_mm(nominal_facet);
-  const Vec3 e1 = corners[1] - corners[0], e2 = corners[2] - corners[0], r = near_mm - corners[0];
-  // Barycentric weights of the foot on the facet's plane.
-  const double a = e1.dot(e1), b = e1.dot(e2), c = e2.dot(e2);
-  const double determinant = a * c - b * b;
-  const double w1 = std::clamp((c * r.dot(e1) - b * r.dot(e2)) / determinant, 0.0, 1.0);
-  const double w2 = std::clamp((a * r.dot(e2) - b * r.dot(e1)) / determinant, 0.0, 1.0);
-  const auto& uv = part.nominal->facet_parameters[nominal_facet];
-  return uv[0] + w1 * (uv[1] - uv[0]) + w2 * (uv[2] - uv[0]);
-}
-
 // Where the ray meets the CAD surface displaced by the field: the root along the ray of
 //   (signed distance to the surface) - (displacement along the normal at the foot point).
 std::optional<PartHit> meet_displaced_surface(const VirtualPart& part, const Ray& ray, std::uint32_t surface,
@@ -94,18 +84,40 @@ std::optional<PartHit> meet_exact_surface(const VirtualPart& part, const Ray& ra
   const std::uint32_t nominal_facet =
       part.nominal_facet ? (*part.nominal_facet)[facet_hit.facet] : facet_hit.facet;
   const std::uint32_t surface = part.nominal->model.surface_of(nominal_facet);
-  const Vec2 start =
-      nominal_parameters(part, nominal_facet, ray.origin_mm + facet_hit.range_mm * ray.direction);
-  if (part.field) return meet_displaced_surface(part, ray, surface, start, facet_hit);
-
-  const ExactSurfaces::RayIntersection meeting =
-      part.nominal->exact->intersect(surface, ray.origin_mm, ray.direction, start, facet_hit.range_mm);
-  if (!meeting.converged) return std::nullopt;
+  if (part.field) {
+    const Vec2 start =
+        parameters_beside(*part.nominal, nominal_facet, ray.origin_mm + facet_hit.range_mm * ray.direction);
+    return meet_displaced_surface(part, ray, surface, start, facet_hit);
+  }
+  const auto exact = refine_to_exact(*part.nominal, ray, nominal_facet, facet_hit.range_mm);
+  if (!exact) return std::nullopt;
   PartHit hit = facet_hit;
-  hit.range_mm = meeting.range_mm;
-  hit.normal = meeting.hit.normal;
+  hit.range_mm = exact->range_mm;
+  hit.normal = exact->hit.normal;
+  hit.surface = exact->surface;
   hit.refined = true;
   return hit;
+}
+
+PartHit on_facet(const VirtualPart& part, const RayHit& cast) {
+  return {cast.range_mm,    cast.normal, cast.facet, part.model->surface_of(cast.facet),
+          cast.barycentric, false,       0.0};
+}
+
+// The beam passes by the CAD surface of some facets that it meets: those that stand out of the part, at its
+// outline or in a hole. Behind each the search goes on with the next facet.
+std::optional<PartHit> first_exact_hit(const VirtualPart& part, const Ray& ray, double max_range_mm,
+                                       std::optional<RayHit> cast) {
+  constexpr int kMostFacets =
+      16;  // passed by; a beam that grazes more of them meets nothing that returns light
+  for (int passed = 0; cast && passed < kMostFacets; ++passed) {
+    const PartHit on_its_facet = on_facet(part, *cast);
+    const auto exact = meet_exact_surface(part, ray, on_its_facet);
+    if (exact) return exact;
+    if (part.field) return on_its_facet;
+    cast = part.caster->first_hit(ray, cast->range_mm + part.nominal->chord_tolerance_mm, max_range_mm);
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -156,12 +168,12 @@ void first_hits(const VirtualPart& part, std::span<const Ray> rays, double max_r
     part.caster->first_hits(rays.subspan(begin, count), 0.0, max_range_mm, std::span(casts).first(count));
     for (std::size_t k = 0; k < count; ++k) {
       std::optional<PartHit>& hit = hits[begin + k];
-      hit.reset();
-      if (!casts[k]) continue;
-      const RayHit& cast = *casts[k];
-      hit = PartHit{cast.range_mm, cast.normal, cast.facet, cast.barycentric, false, 0.0};
       if (part.mode == PartSurfaceMode::exact)
-        if (const auto exact = meet_exact_surface(part, rays[begin + k], *hit)) hit = exact;
+        hit = first_exact_hit(part, rays[begin + k], max_range_mm, casts[k]);
+      else if (casts[k])
+        hit = on_facet(part, *casts[k]);
+      else
+        hit.reset();
     }
   }
 }

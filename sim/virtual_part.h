@@ -52,14 +52,18 @@ VirtualPart make_virtual_part(std::shared_ptr<const Part> nominal,
 
 struct PartHit {
   double range_mm;
-  Vec3 normal;          // unit, outward
-  std::uint32_t facet;  // of the virtual part's model
-  Vec2 barycentric;     // weights of the facet's corners 1 and 2
-  bool refined;         // `exact` mode: the CAD surface was met; false: its facet stands in for it
+  Vec3 normal;            // unit, outward
+  std::uint32_t facet;    // of the virtual part's model
+  std::uint32_t surface;  // CAD surface that was met: the facet's, or in `exact` mode a neighbour of it
+  Vec2 barycentric;       // weights of the facet's corners 1 and 2
+  bool
+      refined;  // `exact` mode: the CAD surface was met; false: its facet stands in for it (form errors only)
   double displaced_mm;  // when refined: displacement of the part along the CAD surface's normal
 };
 
-// First hit of the ray within [0, max_range_mm]. May be called from any number of threads.
+// First hit of the ray within [0, max_range_mm]. In `exact` mode of a part without form errors only CAD
+// surfaces are met: a beam that meets facets but no CAD surface behind or beside them passes by. May be
+// called from any number of threads.
 std::optional<PartHit> first_hit(const VirtualPart& part, const Ray& ray, double max_range_mm);
 
 // The same for many rays at once; cheaper where neighbours in the list are neighbours in space. Precondition:

@@ -127,7 +127,7 @@ ProbeReading read_probe(const VirtualPart& part, const SensorModel& model, const
   }
   const Vec3 point = beam.origin_mm + hit->range_mm * beam.direction;
   result.truth = TrueHit{hit->facet,
-                         part.model->surface_of(hit->facet),
+                         hit->surface,
                          hit->refined,
                          point,
                          hit->range_mm,

@@ -14,6 +14,7 @@
 #include "geometry/parallel.h"
 #include "geometry/random.h"
 #include "geometry/rigid_transform.h"
+#include "tests/geometry/search_shapes.h"
 #include "tests/geometry/shapes.h"
 
 namespace trueblade {

@@ -1,0 +1,70 @@
+#include "part/exact_ray_hit.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "part/facet_parameters.h"
+
+namespace trueblade {
+namespace {
+
+class FirstHit {
+ public:
+  FirstHit(const Part& part, const Ray& ray, std::uint32_t facet, double facet_range_mm)
+      : part_(part),
+        ray_(ray),
+        facet_range_mm_(facet_range_mm),
+        facing_(std::abs(part.model.facet_normal(facet).dot(ray.direction))) {}
+
+  void try_surface_of(std::uint32_t facet) {
+    const std::uint32_t surface = part_.model.surface_of(facet);
+    const auto end = tried_.begin() + static_cast<std::ptrdiff_t>(tried_count_);
+    if (tried_count_ == tried_.size() || std::find(tried_.begin(), end, surface) != end) return;
+    tried_[tried_count_++] = surface;
+
+    const Vec2 start = parameters_beside(part_, facet, ray_.origin_mm + facet_range_mm_ * ray_.direction);
+    const auto meeting =
+        part_.exact->intersect(surface, ray_.origin_mm, ray_.direction, start, facet_range_mm_);
+    const double along_mm = std::abs(meeting.range_mm - facet_range_mm_);
+    const double agreement_mm = part_.chord_tolerance_mm + kTrimMarginMm;
+    if (!meeting.converged || along_mm * facing_ > agreement_mm) return;
+    const bool inside = meeting.side == TrimSide::inside;
+    const auto merit = std::make_pair(!inside, inside ? meeting.range_mm : along_mm);
+    if (best_ && !(merit < best_merit_)) return;
+    best_merit_ = merit;
+    best_ = {meeting.hit, meeting.range_mm, surface};
+  }
+
+  bool is_inside() const { return best_ && !best_merit_.first; }
+  const std::optional<ExactRayHit>& result() const { return best_; }
+
+ private:
+  const Part& part_;
+  const Ray& ray_;
+  double facet_range_mm_;
+  double facing_;  // cosine between ray and facet normal
+  std::optional<ExactRayHit> best_;
+  std::pair<bool, double> best_merit_;     // less is better
+  std::array<std::uint32_t, 16> tried_{};  // more surfaces than this do not meet at one facet's corners
+  std::size_t tried_count_ = 0;
+};
+
+}  // namespace
+
+std::optional<ExactRayHit> refine_to_exact(const Part& part, const Ray& ray, std::uint32_t facet,
+                                           double facet_range_mm) {
+  if (!part.exact) return std::nullopt;
+  FirstHit first(part, ray, facet, facet_range_mm);
+  first.try_surface_of(facet);
+  if (first.is_inside()) return first.result();
+  const FacetMesh& mesh = part.model.mesh();
+  for (const std::uint32_t node : part.model.facet_nodes(facet))
+    for (const auto face : mesh.vf_range(FacetMesh::VertexHandle(static_cast<int>(node))))
+      first.try_surface_of(static_cast<std::uint32_t>(face.idx()));
+  return first.result();
+}
+
+}  // namespace trueblade

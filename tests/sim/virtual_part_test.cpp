@@ -1,0 +1,82 @@
+// The exact part under the beam, against closed forms: beside an edge the surface behind the facet may be the
+// neighbour's, and where facets stand out of the part the beam passes by.
+#include "sim/virtual_part.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "tests/part/cad_files.h"
+#include "tests/part/temporary_folder.h"
+
+namespace trueblade {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kChordMm = 0.05;  // five times the trimming margin
+
+VirtualPart exact_part(TestShape shape) {
+  const TemporaryFolder folder;
+  write_test_shape(shape, folder / "shape.step");
+  PartOptions options;
+  options.faceting.chord_tolerance_mm = kChordMm;
+  const auto part = std::make_shared<const Part>(read_part(folder / "shape.step", options));
+  const auto caster = std::make_shared<const RayCaster>(part->model);
+  return make_virtual_part(part, caster, PartSurfaceMode::exact, {}, 1, 0);
+}
+
+// A cylinder of radius 5 from z = 0 to 12, seen from above at 45 degrees where its side meets its upper
+// plane. The polygon of the plane lies inside the circle by up to the chord tolerance: beams that pass it and
+// meet the facets of the side meet, exactly, the plane.
+TEST(VirtualPart, BesideAnEdgeTheBeamMeetsTheNeighbouringSurface) {
+  const VirtualPart part = exact_part(TestShape::cylinder);
+  int met_the_neighbour = 0;
+  for (int turn = 0; turn < 720; ++turn) {
+    const double angle = std::numbers::pi / 360.0 * (turn + 0.37);
+    const Vec3 outward(std::cos(angle), std::sin(angle), 0.0);
+    for (const double past_circle_mm : {-0.04, -0.02, -0.005, 0.005, 0.03}) {
+      // The beam passes the plane z = 12 at this distance outside the circle.
+      const double range_mm = 20.0;
+      const Vec3 direction = (-outward - Vec3::UnitZ()).normalized();
+      const Ray ray{(5.0 + past_circle_mm) * outward + 12.0 * Vec3::UnitZ() - range_mm * direction,
+                    direction};
+      const auto hit = first_hit(part, ray, kInfinity);
+      ASSERT_TRUE(hit.has_value());
+      EXPECT_TRUE(hit->refined);
+      // Outside the circle it goes on to the side, sqrt(2) times as far.
+      const double expected_mm = range_mm + std::sqrt(2.0) * std::max(0.0, past_circle_mm);
+      EXPECT_NEAR(hit->range_mm, expected_mm, 1e-8) << angle << " " << past_circle_mm;
+      EXPECT_NEAR(hit->normal.dot(past_circle_mm < 0.0 ? Vec3::UnitZ() : outward), 1.0, 1e-9);
+      met_the_neighbour += hit->surface != part.model->surface_of(hit->facet) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met_the_neighbour, 100);
+}
+
+// A torus about z whose hole has radius 7: between the nodes its facets stand into the hole. A beam along the
+// axis that meets them there meets no surface.
+TEST(VirtualPart, WhereFacetsStandOutOfThePartTheBeamPassesBy) {
+  const VirtualPart part = exact_part(TestShape::torus);
+  int met_facets = 0;
+  for (int turn = 0; turn < 720; ++turn) {
+    const double angle = std::numbers::pi / 360.0 * (turn + 0.37);
+    for (const double inside_hole_mm : {0.002, 0.01, 0.02, 0.04}) {
+      const double r = 7.0 - inside_hole_mm;
+      const Ray ray{{r * std::cos(angle), r * std::sin(angle), 20.0}, -Vec3::UnitZ()};
+      EXPECT_FALSE(first_hit(part, ray, kInfinity).has_value()) << angle << " " << inside_hole_mm;
+      met_facets += part.caster->first_hit(ray, 0.0, kInfinity).has_value() ? 1 : 0;
+    }
+    // On the material, half a millimetre from the hole: z = sqrt(9 - 2.5^2).
+    const Ray onto{{7.5 * std::cos(angle), 7.5 * std::sin(angle), 20.0}, -Vec3::UnitZ()};
+    const auto hit = first_hit(part, onto, kInfinity);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_NEAR(hit->range_mm, 20.0 - std::sqrt(9.0 - 2.5 * 2.5), 1e-8);
+  }
+  EXPECT_GT(met_facets, 100);
+}
+
+}  // namespace
+}  // namespace trueblade
