@@ -215,7 +215,7 @@ class RunningController(unittest.TestCase):
 
         process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    preexec_fn=limit, restore_signals=False)
-        self.ends_as_a_fault(process, "file too large")
+        self.ends_as_a_fault(process, "the journal cannot be written")
         self.stands_still()
         self.completes()
 
