@@ -55,6 +55,8 @@ RegressionCase run_case(const std::string& file) {
     regression.verdicts.insert(regression.verdicts.end(), of_part.begin(), of_part.end());
   } catch (const InputError& failure) {
     regression.error = failure.what();
+  } catch (const MachineFault& fault) {
+    regression.error = fault.what();
   }
   regression.time_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return regression;

@@ -283,6 +283,21 @@ TEST(Regress, AScenarioThatDoesNotRunFailsAndTheOthersStillRun) {
   EXPECT_NE(result.out.find("1 passed, 1 failed"), std::string::npos) << result.out;
 }
 
+TEST(Regress, AScenarioWhoseMachineIsNotThereFailsAndTheOthersStillRun) {
+  const CubeFolder folder;
+  std::string text = kCubeScenario;
+  // Nothing listens on port 1.
+  text.replace(
+      text.find("machine:\n"), 9,
+      "machine:\n  backend: linuxcnc\n  controller: {host: 127.0.0.1, command_port: 1, sample_port: 2}\n");
+  folder.write("absent.yaml", text + "expect: {front: {converged: [1, 1]}}\n");
+  folder.write("holds.yaml", std::string(kCubeScenario) + "expect: {front: {converged: [1, 1]}}\n");
+  const ChildResult result = run_trueblade({"regress", "absent.yaml", "holds.yaml"}, folder.path());
+  EXPECT_EQ(result.exit_code, 1) << result.ended_by;
+  EXPECT_NE(result.out.find("127.0.0.1:1"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("1 passed, 1 failed"), std::string::npos) << result.out;
+}
+
 // The cube of the scenario stands on a corner, three faces towards the probe: whatever is chosen, a face
 // turned away from the beam at all angles cannot be seen, and the views that are chosen see no less than the
 // stated ones.
