@@ -14,36 +14,13 @@
 #include "geometry/atomic_file.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/scan_file.h"
+#include "inspection/evaluation_json.h"
 
 namespace trueblade {
 namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr double kDegree = std::numbers::pi / 180.0;
-
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  write_file_atomically(file, [&](std::ostream& out) { out << text; });
-}
-
-Json json_of(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-Json json_of(const RigidTransform& pose) {
-  const Eigen::Quaterniond& q = pose.rotation;
-  return {{"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}, {"translation_mm", json_of(pose.translation_mm)}};
-}
-
-template <class Matrix>
-Json rows_of(const Matrix& matrix) {
-  Json rows = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Json row = Json::array();
-    for (Eigen::Index k = 0; k < matrix.cols(); ++k) row.push_back(matrix(i, k));
-    rows.push_back(row);
-  }
-  return rows;
-}
 
 // --- calibrate -------------------------------------------------------------------------------------------
 
@@ -168,18 +145,18 @@ Json json_of(const SphereCalibration& found, const SphereStep& change, const Sph
                              {"no_distance", counts[view].no_distance},
                              {"off_sphere", counts[view].off_sphere}});
   const MachineGeometry& g = found.geometry;
-  json["geometry"] = {{"stage_from_probe_at_zero", json_of(g.stage_from_probe_at_zero)},
-                      {"beam_direction", json_of(g.beam_direction)},
-                      {"rotary_axis_point_mm", json_of(g.rotary_axis_point_mm)},
-                      {"rotary_axis_direction", json_of(g.rotary_axis_direction)}};
-  json["sphere_centre_mcs_mm"] = json_of(found.centre_mcs_mm);
+  json["geometry"] = {{"stage_from_probe_at_zero", pose_json(g.stage_from_probe_at_zero)},
+                      {"beam_direction", vector_json(g.beam_direction)},
+                      {"rotary_axis_point_mm", vector_json(g.rotary_axis_point_mm)},
+                      {"rotary_axis_direction", vector_json(g.rotary_axis_direction)}};
+  json["sphere_centre_mcs_mm"] = vector_json(found.centre_mcs_mm);
   json["axis_to_sphere_mm"] = found.axis_to_sphere_mm;
   for (const ParameterRow& row : kRows) {
     json["change"][fmt::format("{}_{}", row.name, row.unit)] = change[row.parameter];
     json["standard_uncertainty"][fmt::format("{}_{}", row.name, row.unit)] =
         standard_uncertainty(found, row.parameter);
   }
-  json["covariance"] = rows_of(found.covariance);
+  json["covariance"] = covariance_json(found.covariance);
   return json;
 }
 
@@ -219,7 +196,7 @@ int calibrate(const CalibrateOptions& options, bool json) {
     spdlog::error("the fit has not settled within {} passes; nothing was written", found.passes);
     return ExitCode::expectation_failed;
   }
-  write_text(options.out, machine_text(found));
+  write_text_atomically(options.out, machine_text(found));
   if (!json) fmt::print("geometry -> {}\n", options.out.string());
   return ExitCode::done;
 }
@@ -278,15 +255,15 @@ int locate(const TouchOptions& options, bool json) {
   } catch (const InputError& error) {
     throw file_error(options.points.string(), error.what());
   }
-  if (!options.out.empty()) write_text(options.out, location_text(location, points.size()));
+  if (!options.out.empty()) write_text_atomically(options.out, location_text(location, points.size()));
   if (json) {
-    Json document = {{"mcs_from_part", json_of(location.mcs_from_part)},
-                     {"pivot_mcs_mm", json_of(location.pivot_mcs_mm)},
-                     {"covariance", rows_of(location.covariance)},
+    Json document = {{"mcs_from_part", pose_json(location.mcs_from_part)},
+                     {"pivot_mcs_mm", vector_json(location.pivot_mcs_mm)},
+                     {"covariance", covariance_json(location.covariance)},
                      {"rms_mm", location.rms_mm}};
     for (std::size_t i = 0; i < points.size(); ++i)
       document["points"].push_back(
-          {{"name", points[i].name}, {"residual_mcs_mm", json_of(location.residual_mcs_mm[i])}});
+          {{"name", points[i].name}, {"residual_mcs_mm", vector_json(location.residual_mcs_mm[i])}});
     fmt::print("{}\n", document.dump(2));
     return ExitCode::done;
   }

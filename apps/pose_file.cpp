@@ -2,7 +2,6 @@
 
 #include "apps/yaml_reader.h"
 #include "apps/yaml_writer.h"
-#include "geometry/atomic_file.h"
 
 namespace trueblade {
 namespace {
@@ -24,8 +23,7 @@ ScanPose read_scan_pose(const std::filesystem::path& file) {
 
 void write_scan_pose(const std::filesystem::path& file, const ScanPose& pose) {
   ScanPose copy = pose;
-  const std::string text = yaml_text([&](YamlFields& io) { fields(io, copy); });
-  write_file_atomically(file, [&](std::ostream& out) { out << text; });
+  write_yaml(file, [&](YamlFields& io) { fields(io, copy); });
 }
 
 }  // namespace trueblade

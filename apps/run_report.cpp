@@ -46,10 +46,6 @@ void attempt(std::vector<std::string>& missing, const std::function<void()>& wor
   }
 }
 
-void write_text(const std::filesystem::path& file, const std::string& text) {
-  write_file_atomically(file, [&](std::ostream& out) { out << text; });
-}
-
 }  // namespace
 
 std::vector<std::string> write_run_report(const std::filesystem::path& folder, const Part* part) {
@@ -80,8 +76,8 @@ std::vector<std::string> write_run_report(const std::filesystem::path& folder, c
       });
     }
     write_report_html(folder / "report.html", report);
-    write_text(folder / "statistics.csv", statistics_csv(report.result));
-    write_text(folder / "features.csv", features_csv(report.result));
+    write_text_atomically(folder / "statistics.csv", statistics_csv(report.result));
+    write_text_atomically(folder / "features.csv", features_csv(report.result));
   } catch (const Json::exception& failure) {
     throw InputError(fmt::format("{}: {}", (folder / "result.json").string(), failure.what()));
   }

@@ -2,7 +2,6 @@
 
 #include "apps/yaml_reader.h"
 #include "apps/yaml_writer.h"
-#include "geometry/atomic_file.h"
 
 namespace trueblade {
 namespace {
@@ -36,8 +35,7 @@ TouchFile read_touch_file(const std::filesystem::path& file) {
 
 void write_touch_file(const std::filesystem::path& file, const TouchFile& touched) {
   TouchFile copy = touched;
-  const std::string text = yaml_text([&](YamlFields& io) { fields(io, copy); });
-  write_file_atomically(file, [&](std::ostream& out) { out << text; });
+  write_yaml(file, [&](YamlFields& io) { fields(io, copy); });
 }
 
 std::vector<TouchedPoint> touched_points(const TouchFile& touched, const MachineGeometry& geometry) {

@@ -3,6 +3,8 @@
 #include <yaml-cpp/emitter.h>
 #include <yaml-cpp/emittermanip.h>
 
+#include "geometry/atomic_file.h"
+
 namespace trueblade {
 namespace {
 
@@ -72,6 +74,10 @@ std::string yaml_text(const YamlFields::MapFunction& fields) {
   fields(writer);
   out << YAML::EndMap;
   return std::string(out.c_str()) + "\n";
+}
+
+void write_yaml(const std::filesystem::path& file, const YamlFields::MapFunction& fields) {
+  write_text_atomically(file, yaml_text(fields));
 }
 
 }  // namespace trueblade

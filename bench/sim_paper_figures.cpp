@@ -226,7 +226,7 @@ int main(int argc, char** argv) {
   figures.simulated_measurements();
   figures.defective_blade();
   const std::string text = figures.text();
-  write_file_atomically(folder / "simulated_figures.md", [&](std::ostream& out) { out << text; });
+  write_text_atomically(folder / "simulated_figures.md", text);
   fmt::print("{}", text);
   return 0;
 }

@@ -34,12 +34,6 @@ constexpr double kUnsureShare = 0.1;  // of the radius
 // the radius by 2 % and more.
 constexpr double kMostScatterShare = 0.01;
 
-Mat3 axis_directions(const MachineGeometry& geometry) {
-  Mat3 directions;
-  for (int k = 0; k < 3; ++k) directions.col(k) = geometry.axis_direction[static_cast<std::size_t>(k)];
-  return directions;
-}
-
 Vec3 beam_in_stage(const MachineGeometry& geometry) {
   return geometry.stage_from_probe_at_zero.rotation * geometry.beam_direction;
 }
@@ -48,13 +42,8 @@ Vec3 working_point(const MachineGeometry& geometry, double standoff_mm) {
   return geometry.stage_from_probe_at_zero.translation_mm + standoff_mm * beam_in_stage(geometry);
 }
 
-// The two normals of the beam in the stage: those of beam_a and beam_b (sim/true_geometry.h).
-Eigen::Matrix<double, 3, 2> beam_normals(const MachineGeometry& geometry) {
-  const Vec3& beam = geometry.beam_direction;
-  Eigen::Matrix<double, 3, 2> normals;
-  normals.col(0) = beam.unitOrthogonal();
-  normals.col(1) = beam.cross(normals.col(0));
-  return geometry.stage_from_probe_at_zero.rotation.toRotationMatrix() * normals;
+Eigen::Matrix<double, 3, 2> beam_normals_in_stage(const MachineGeometry& geometry) {
+  return geometry.stage_from_probe_at_zero.rotation.toRotationMatrix() * beam_normals(geometry);
 }
 
 Vec3 foot_on_axis(const MachineGeometry& geometry, const Vec3& point) {
@@ -176,7 +165,7 @@ class SphereFit {
   void prepare() {
     directions_ = axis_directions(geometry_);
     axis_normals_ = rotary_axis_normals(geometry_);
-    beam_normals_ = beam_normals(geometry_);
+    beam_normals_ = beam_normals_in_stage(geometry_);
     const Vec3 at_zero = working_point(geometry_, standoff_mm_);
     const Vec3 beam = beam_in_stage(geometry_);
     equations_.resize(samples_.size());
@@ -342,24 +331,13 @@ SphereCovariance covariance_of(SphereFit& fit, double cut_mm, double radius_mm) 
 
 }  // namespace
 
-Mat3 rotary_axis_normals(const MachineGeometry& geometry) {
-  const Vec3 z = geometry.rotary_axis_direction;
-  const bool x_usable = geometry.axis_direction[0].cross(z).norm() > 0.5;
-  const Vec3 reference = geometry.axis_direction[x_usable ? 0 : 1];
-  Mat3 normals;
-  normals.col(0) = (reference - reference.dot(z) * z).normalized();
-  normals.col(1) = z.cross(normals.col(0));
-  normals.col(2) = z;
-  return normals;
-}
-
 SphereStep sphere_step(const MachineGeometry& from, const Vec3& from_centre_mm, const MachineGeometry& to,
                        const Vec3& to_centre_mm, double standoff_mm) {
   const Vec3 shift = working_point(from, standoff_mm) - working_point(to, standoff_mm);
   const Mat3 normals = rotary_axis_normals(from);
   SphereStep step;
   step.segment<2>(beam_tilt_1) =
-      beam_normals(from).transpose() * beam_in_stage(from).cross(beam_in_stage(to));
+      beam_normals_in_stage(from).transpose() * beam_in_stage(from).cross(beam_in_stage(to));
   step.segment<2>(axis_tilt_1) =
       normals.leftCols<2>().transpose() * from.rotary_axis_direction.cross(to.rotary_axis_direction);
   // The other axis at the height of this one's point nearest to the sphere.

@@ -78,10 +78,6 @@ struct SphereCalibration {
 SphereCalibration calibrate_by_sphere(const MachineGeometry& nominal, double standoff_mm,
                                       const ReferenceSphere& sphere, std::span<const ProbeSample> samples);
 
-// The two normals of the rotary axis along and about which it is shifted and tilted: the first as near to the
-// machine's x axis as possible (its y axis, when x is along the rotary axis). Columns: first, second, axis.
-Mat3 rotary_axis_normals(const MachineGeometry& geometry);
-
 // The parameters as a step from one geometry and sphere centre to another with the same axis directions, the
 // latter first brought to the working point of the former (a shift of the stage). First order in the tilts.
 SphereStep sphere_step(const MachineGeometry& from, const Vec3& from_centre_mm, const MachineGeometry& to,

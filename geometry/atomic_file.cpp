@@ -82,6 +82,10 @@ class TemporaryFile {
 
 }  // namespace
 
+void write_text_atomically(const std::filesystem::path& target, const std::string& text) {
+  write_file_atomically(target, [&](std::ostream& out) { out << text; });
+}
+
 void write_path_atomically(const fs::path& target,
                            const std::function<void(const fs::path& temporary)>& write) {
   TemporaryFile temporary(target);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <ostream>
+#include <string>
 
 namespace trueblade {
 
@@ -13,6 +14,8 @@ namespace trueblade {
 // the disk is full; then `target` is untouched and the temporary file is removed.
 void write_file_atomically(const std::filesystem::path& target,
                            const std::function<void(std::ostream&)>& write);
+
+void write_text_atomically(const std::filesystem::path& target, const std::string& text);
 
 // The same for libraries that insist on opening the file themselves: `write` receives the temporary path.
 void write_path_atomically(const std::filesystem::path& target,

@@ -32,7 +32,7 @@ HWY_ATTR HWY_INLINE Double polynomial(const std::array<double, 8>& coefficients,
 }
 
 // Up to kBlock numbers. `p` and `tail_r` are padded with numbers of the central range.
-HWY_ATTR void InverseNormals(double* values, std::size_t count) {
+HWY_ATTR void InverseNormalsOfBlock(double* values, std::size_t count) {
   const Doubles d;
   HWY_ALIGN std::array<double, kBlock> p, deviate, tail_r;
   std::array<std::uint16_t, kBlock> tail_place;
@@ -65,6 +65,11 @@ HWY_ATTR void InverseNormals(double* values, std::size_t count) {
     // One in 10^11 lies in the far tail.
     values[i] = tail_r[t] > ppnd16::kNearTail ? inverse_normal(p[i]) : p[i] < 0.5 ? -deviate[t] : deviate[t];
   }
+}
+
+HWY_ATTR void InverseNormals(std::span<double> values) {
+  for (std::size_t begin = 0; begin < values.size(); begin += kBlock)
+    InverseNormalsOfBlock(values.data() + begin, std::min(kBlock, values.size() - begin));
 }
 
 }  // namespace HWY_NAMESPACE
@@ -105,9 +110,7 @@ double inverse_normal(double p) {
 HWY_EXPORT(InverseNormals);
 
 void inverse_normal(std::span<double> p) {
-  constexpr std::size_t kBlock = 256;
-  for (std::size_t begin = 0; begin < p.size(); begin += kBlock)
-    HWY_DYNAMIC_DISPATCH(InverseNormals)(p.data() + begin, std::min(kBlock, p.size() - begin));
+  HWY_DYNAMIC_DISPATCH(InverseNormals)(p);
 }
 
 }  // namespace trueblade

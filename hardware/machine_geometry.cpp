@@ -17,12 +17,6 @@ void require_unit(const char* name, const Vec3& direction) {
     throw InputError(fmt::format("{} has length {}, must be a unit vector", name, norm));
 }
 
-Mat3 axis_matrix(const MachineGeometry& geometry) {
-  Mat3 axes;
-  for (int k = 0; k < 3; ++k) axes.col(k) = geometry.axis_direction[static_cast<std::size_t>(k)];
-  return axes;
-}
-
 }  // namespace
 
 void MachineGeometry::validate() const {
@@ -35,7 +29,7 @@ void MachineGeometry::validate() const {
   if (!is_finite(stage_from_probe_at_zero)) throw InputError("stage_from_probe_at_zero must be finite");
   // Three stages that nearly lie in one plane cannot reach a volume: below 0.1 two of them are within 6
   // degrees of each other, or the third within 6 degrees of the plane of the others.
-  const double volume = std::abs(axis_matrix(*this).determinant());
+  const double volume = std::abs(axis_directions(*this).determinant());
   if (!(volume > 0.1))
     throw InputError(fmt::format(
         "axis_direction: x, y and z span a volume of {:.3g}, must be above 0.1 (independent axes)", volume));
@@ -43,6 +37,32 @@ void MachineGeometry::validate() const {
                          linear_axis_order[1] != linear_axis_order[2] &&
                          linear_axis_order[0] != linear_axis_order[2];
   if (!each_once) throw InputError("linear_axis_order must name x, y and z once each");
+}
+
+Mat3 axis_directions(const MachineGeometry& geometry) {
+  Mat3 directions;
+  for (int k = 0; k < 3; ++k) directions.col(k) = geometry.axis_direction[static_cast<std::size_t>(k)];
+  return directions;
+}
+
+Eigen::Matrix<double, 3, 2> beam_normals(const MachineGeometry& geometry) {
+  const Vec3& beam = geometry.beam_direction;
+  Eigen::Matrix<double, 3, 2> normals;
+  normals.col(0) = beam.unitOrthogonal();
+  normals.col(1) = beam.cross(normals.col(0));
+  return normals;
+}
+
+Mat3 rotary_axis_normals(const MachineGeometry& geometry) {
+  const Vec3 z = geometry.rotary_axis_direction;
+  // Independent axes cannot both lie along z; the one farther from it projects well.
+  const bool x_usable = geometry.axis_direction[0].cross(z).norm() > 0.5;
+  const Vec3 reference = geometry.axis_direction[x_usable ? 0 : 1];
+  Mat3 normals;
+  normals.col(0) = (reference - reference.dot(z) * z).normalized();
+  normals.col(1) = z.cross(normals.col(0));
+  normals.col(2) = z;
+  return normals;
 }
 
 RigidTransform stage_from_probe(const MachineGeometry& geometry, const AxisPositions& axes) {
@@ -73,7 +93,7 @@ Vec3 point_in_mcs_mm(const MachineGeometry& geometry, const ProbeSample& sample)
 AxisPositions axes_for_probe_origin(const MachineGeometry& geometry, const Vec3& probe_origin_mcs_mm,
                                     double theta_rad) {
   const Vec3 origin_stage = stage_from_mcs(geometry, theta_rad) * probe_origin_mcs_mm;
-  const Vec3 travel = axis_matrix(geometry).partialPivLu().solve(
+  const Vec3 travel = axis_directions(geometry).partialPivLu().solve(
       origin_stage - geometry.stage_from_probe_at_zero.translation_mm);
   return {travel.x(), travel.y(), travel.z(), theta_rad};
 }

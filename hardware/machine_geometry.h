@@ -37,6 +37,15 @@ struct MachineGeometry {
   void validate() const;
 };
 
+// x, y and z direction of the linear axes in `stage`, as columns.
+Mat3 axis_directions(const MachineGeometry& geometry);
+// The two normals of the beam about which it is tilted, in the probe frame.
+Eigen::Matrix<double, 3, 2> beam_normals(const MachineGeometry& geometry);
+// The two normals of the rotary axis along and about which it is shifted and tilted, in `stage`: the first as
+// near to the machine's x axis as possible (its y axis, when x is along the rotary axis). Columns: first,
+// second, axis.
+Mat3 rotary_axis_normals(const MachineGeometry& geometry);
+
 // The probe frame in `stage` at the given axes.
 RigidTransform stage_from_probe(const MachineGeometry& geometry, const AxisPositions& axes);
 // The turned table in `stage`: stage_from_mcs at the rotary angle.

@@ -118,11 +118,11 @@ Json pose_json(const RigidTransform& pose) {
           {"translation_mm", vector_json(pose.translation_mm)}};
 }
 
-Json covariance_json(const Mat6& covariance) {
+Json covariance_json(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
   Json rows = Json::array();
-  for (int r = 0; r < 6; ++r) {
+  for (Eigen::Index r = 0; r < covariance.rows(); ++r) {
     Json row = Json::array();
-    for (int c = 0; c < 6; ++c) row.push_back(number_json(covariance(r, c)));
+    for (Eigen::Index c = 0; c < covariance.cols(); ++c) row.push_back(number_json(covariance(r, c)));
     rows.push_back(row);
   }
   return rows;

@@ -7,11 +7,11 @@
 
 namespace trueblade {
 
-// Pieces shared with result_json.cpp. Numbers that do not exist are null.
+// Pieces shared with other documents. Numbers that do not exist are null.
 nlohmann::ordered_json number_json(double value);
 nlohmann::ordered_json vector_json(const Vec3& v);
 nlohmann::ordered_json pose_json(const RigidTransform& pose);
-nlohmann::ordered_json covariance_json(const Mat6& covariance);
+nlohmann::ordered_json covariance_json(const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 nlohmann::ordered_json statistics_json(const DeviationStatistics& statistics);
 nlohmann::ordered_json tolerance_json(const Tolerance& tolerance);
 // {within, over, under, percent_within, percent_over, percent_under}

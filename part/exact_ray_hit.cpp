@@ -1,12 +1,10 @@
 #include "part/exact_ray_hit.h"
 
-#include <Eigen/Geometry>
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
 #include "part/facet_parameters.h"
+#include "part/surfaces_around.h"
 
 namespace trueblade {
 namespace {
@@ -21,10 +19,6 @@ class FirstHit {
 
   void try_surface_of(std::uint32_t facet) {
     const std::uint32_t surface = part_.model.surface_of(facet);
-    const auto end = tried_.begin() + static_cast<std::ptrdiff_t>(tried_count_);
-    if (tried_count_ == tried_.size() || std::find(tried_.begin(), end, surface) != end) return;
-    tried_[tried_count_++] = surface;
-
     const Vec2 start = parameters_beside(part_, facet, ray_.origin_mm + facet_range_mm_ * ray_.direction);
     const auto meeting =
         part_.exact->intersect(surface, ray_.origin_mm, ray_.direction, start, facet_range_mm_);
@@ -47,9 +41,7 @@ class FirstHit {
   double facet_range_mm_;
   double facing_;  // cosine between ray and facet normal
   std::optional<ExactRayHit> best_;
-  std::pair<bool, double> best_merit_;     // less is better
-  std::array<std::uint32_t, 16> tried_{};  // more surfaces than this do not meet at one facet's corners
-  std::size_t tried_count_ = 0;
+  std::pair<bool, double> best_merit_;  // less is better
 };
 
 }  // namespace
@@ -58,12 +50,11 @@ std::optional<ExactRayHit> refine_to_exact(const Part& part, const Ray& ray, std
                                            double facet_range_mm) {
   if (!part.exact) return std::nullopt;
   FirstHit first(part, ray, facet, facet_range_mm);
-  first.try_surface_of(facet);
-  if (first.is_inside()) return first.result();
-  const FacetMesh& mesh = part.model.mesh();
-  for (const std::uint32_t node : part.model.facet_nodes(facet))
-    for (const auto face : mesh.vf_range(FacetMesh::VertexHandle(static_cast<int>(node))))
-      first.try_surface_of(static_cast<std::uint32_t>(face.idx()));
+  visit_surfaces_around(part, facet, [&](std::uint32_t of_surface) {
+    first.try_surface_of(of_surface);
+    // Its own surface met within its face: no neighbour stands before it.
+    return of_surface != facet || !first.is_inside();
+  });
   return first.result();
 }
 

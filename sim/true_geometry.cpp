@@ -39,23 +39,9 @@ Mat3 true_axis_directions(const Mat3& directions, const ErrorValues& errors) {
   return turned;
 }
 
-// Axes of the rotary stage in `stage`: z along the rotary axis, x as near to the machine's x axis (or, when
-// that is along the rotary axis, its y axis) as possible.
-Mat3 rotary_directions(const MachineGeometry& nominal) {
-  const Vec3 z = nominal.rotary_axis_direction;
-  // Independent axes cannot both lie along z; the one farther from it projects well.
-  const bool x_usable = nominal.axis_direction[0].cross(z).norm() > 0.5;
-  const Vec3 reference = nominal.axis_direction[x_usable ? 0 : 1];
-  Mat3 directions;
-  directions.col(0) = (reference - reference.dot(z) * z).normalized();
-  directions.col(1) = z.cross(directions.col(0));
-  directions.col(2) = z;
-  return directions;
-}
-
 // Place and direction of the rotary axis: it turns about the nominal direction through this frame's origin.
 RigidTransform true_stage_from_axis(const MachineGeometry& nominal, const ErrorValues& errors) {
-  return shift(nominal.rotary_axis_point_mm) * small_motion(rotary_directions(nominal),
+  return shift(nominal.rotary_axis_point_mm) * small_motion(rotary_axis_normals(nominal),
                                                             {errors[xoc], errors[yoc], 0.0},
                                                             {errors[aoc], errors[boc], 0.0});
 }
@@ -64,8 +50,7 @@ RigidTransform true_stage_from_axis(const MachineGeometry& nominal, const ErrorV
 
 RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisPositions& axes,
                                      const ErrorValues& errors, double drift_time_s) {
-  Mat3 directions;
-  directions << nominal.axis_direction[0], nominal.axis_direction[1], nominal.axis_direction[2];
+  const Mat3 directions = axis_directions(nominal);
   const Mat3 true_directions = true_axis_directions(directions, errors);
   const std::array<double, 3> travel_mm{axes.x_mm, axes.y_mm, axes.z_mm};
 
@@ -83,7 +68,7 @@ RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisP
 
 RigidTransform true_stage_from_mcs(const MachineGeometry& nominal, double theta_rad,
                                    const ErrorValues& errors) {
-  const Mat3 directions = rotary_directions(nominal);
+  const Mat3 directions = rotary_axis_normals(nominal);
   const RigidTransform stage_from_axis = true_stage_from_axis(nominal, errors);
   const RigidTransform error_motion =
       small_motion(directions, values_of(errors, exc, eyc, ezc), {errors[eac], errors[ebc], 0.0});
@@ -115,10 +100,8 @@ MachineGeometry true_geometry(const MachineGeometry& nominal, const ErrorValues&
 }
 
 Vec3 true_beam_direction(const MachineGeometry& nominal, const ErrorValues& errors) {
-  const Vec3& beam = nominal.beam_direction;
-  const Vec3 first_normal = beam.unitOrthogonal();
-  const Vec3 second_normal = beam.cross(first_normal);
-  return rotation_from_vector(errors[beam_a] * first_normal + errors[beam_b] * second_normal) * beam;
+  return rotation_from_vector(beam_normals(nominal) * Vec2(errors[beam_a], errors[beam_b])) *
+         nominal.beam_direction;
 }
 
 }  // namespace trueblade

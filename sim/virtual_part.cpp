@@ -108,8 +108,8 @@ PartHit on_facet(const VirtualPart& part, const RayHit& cast) {
 // outline or in a hole. Behind each the search goes on with the next facet.
 std::optional<PartHit> first_exact_hit(const VirtualPart& part, const Ray& ray, double max_range_mm,
                                        std::optional<RayHit> cast) {
-  constexpr int kMostFacets =
-      16;  // passed by; a beam that grazes more of them meets nothing that returns light
+  // Passed by; a beam that grazes more of them meets nothing that returns light.
+  constexpr int kMostFacets = 16;
   for (int passed = 0; cast && passed < kMostFacets; ++passed) {
     const PartHit on_its_facet = on_facet(part, *cast);
     const auto exact = meet_exact_surface(part, ray, on_its_facet);

@@ -57,7 +57,7 @@ struct PartHit {
   std::uint32_t surface;  // CAD surface that was met: the facet's, or in `exact` mode a neighbour of it
   Vec2 barycentric;       // weights of the facet's corners 1 and 2
   bool
-      refined;  // `exact` mode: the CAD surface was met; false: its facet stands in for it (form errors only)
+      refined;  // `exact` mode: the CAD surface was met; false (form errors only): its facet stands in for it
   double displaced_mm;  // when refined: displacement of the part along the CAD surface's normal
 };
 
