@@ -22,6 +22,9 @@ double seconds_since(Clock::time_point start) {
 
 // The controller's own answers come within milliseconds; asking oftener would only load its network side.
 constexpr double kStatusIntervalS = 0.02;
+// The axes go off in the servo period of a fault; its words pass through the controller's task and user
+// interface, which are not real time.
+constexpr double kWordsTimeoutS = 1.0;
 // A program may take three times the estimate and this much for opening and starting it.
 constexpr double kProgramOverheadS = 10.0;
 // An axis that has arrived stands within the encoders' resolution and the following error of a standing axis.
@@ -110,25 +113,32 @@ void LinuxCncMachine::set_mode(const std::string& mode) {
   mode_ = mode;
 }
 
-// Collects the controller's own words, finds the kind of the fault, ends motion.
-void LinuxCncMachine::fail_with_reason(const std::string& what) {
-  Kind kind = Kind::interrupted;
+// Holds the feed, then collects the controller's own words and finds the kind of the fault in them.
+void LinuxCncMachine::fail_with_reason(const std::string& what, Kind unexplained) {
+  samples_->hold();
+  const auto start = Clock::now();
+  Kind kind = unexplained;
   std::string words;
-  const bool in_estop = commands_->get("estop").text == "ON";
-  const std::string limits = commands_->get("joint_limit").text;
-  const std::string faults = commands_->get("joint_fault").text;
-  words = commands_->take_errors();
-  const auto says = [&](const char* word) { return words.find(word) != std::string::npos; };
-  if (in_estop)
-    kind = Kind::emergency_stop;
-  else if (faults.find("FAULT") != std::string::npos || says("following error"))
-    kind = Kind::following_error;
-  else if (limits.find("SOFT") != std::string::npos || limits.find("HARD") != std::string::npos ||
-           says("limit"))
-    kind = Kind::limit;
-  else if (!is_homed())
-    kind = Kind::not_homed;
-  if (in_estop) words = words.empty() ? "e-stop" : "e-stop; " + words;
+  for (;;) {
+    const bool in_estop = commands_->get("estop").text == "ON";
+    const std::string limits = commands_->get("joint_limit").text;
+    const std::string faults = commands_->get("joint_fault").text;
+    if (const std::string more = commands_->take_errors(); !more.empty())
+      words += (words.empty() ? "" : "; ") + more;
+    const auto says = [&](const char* word) { return words.find(word) != std::string::npos; };
+    if (in_estop)
+      kind = Kind::emergency_stop;
+    else if (faults.find("FAULT") != std::string::npos || says("following error"))
+      kind = Kind::following_error;
+    else if (limits.find("SOFT") != std::string::npos || limits.find("HARD") != std::string::npos ||
+             says("limit"))
+      kind = Kind::limit;
+    else if (!is_homed())
+      kind = Kind::not_homed;
+    if (in_estop) words = words.empty() ? "e-stop" : "e-stop; " + words;
+    if (!words.empty() || seconds_since(start) > kWordsTimeoutS) break;
+    std::this_thread::sleep_for(std::chrono::duration<double>(kStatusIntervalS));
+  }
   throw MachineFault(kind, words.empty() ? what : fmt::format("{}; the controller says: {}", what, words));
 }
 
@@ -234,6 +244,7 @@ void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(
   auto last_status = start;
   auto last_reading = start;
   std::optional<std::uint32_t> reading;
+  std::optional<Clock::time_point> idle_since;
   bool seen_running = false;
   // Every sample passes here, also those that arrive after the program has ended.
   const auto see = [&](const LatchedSample& sample) {
@@ -259,14 +270,10 @@ void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(
     if (status == "IDLE" && done()) return;
     // A program that ends before it began to run was refused, as one that leaves the limits is.
     const bool had_time_to_run = seconds_since(start) > 1.0;
-    if (status == "IDLE" && (seen_running || had_time_to_run)) {
-      // Samples under way may still say that it came to its end.
-      const auto idle_since = Clock::now();
-      while (!done() && seconds_since(idle_since) < settings_.sensor_timeout_s)
-        if (const auto late = samples_->next(kStatusIntervalS); late && !see(*late)) break;
-      if (!done()) fail_with_reason("the controller did not carry the program out to its end");
-      return;
-    }
+    if (status == "IDLE" && (seen_running || had_time_to_run) && !idle_since) idle_since = last_status;
+    // Samples under way may still say that it came to its end.
+    if (idle_since && seconds_since(*idle_since) > settings_.sensor_timeout_s)
+      fail_with_reason("the controller did not carry the program out to its end");
     if (seconds_since(start) > longest_s)
       fail_with_reason(fmt::format("the motion has not ended within {:.0f} s", longest_s));
   }
@@ -331,12 +338,12 @@ std::size_t LinuxCncMachine::scan_line(std::span<const AxisPositions> path, cons
   const SamplePicker::Pick deliver = [&](std::size_t position, const LatchedSample& latched) {
     const double off_mm = distance_between(axis_positions(latched), path[position]);
     if (off_mm > kFarthestSampleMm)
-      throw MachineFault(
-          Kind::sensor,
+      fail_with_reason(
           fmt::format(
               "the nearest reading to position {} of the line was taken {:.3f} mm from it, must be within "
-              "{} mm: the sensor gave none there",
-              position + 1, off_mm, kFarthestSampleMm));
+              "{} mm: the sensor gave none there, or an axis does not follow",
+              position + 1, off_mm, kFarthestSampleMm),
+          Kind::sensor);
     ++delivered;
     return sink(probe_sample(latched, period_s));
   };

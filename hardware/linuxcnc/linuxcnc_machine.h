@@ -76,7 +76,9 @@ class LinuxCncMachine final : public MachineDriver {
   void set_mode(const std::string& mode);
   void require_set(const std::string& command);
   bool is_homed();
-  [[noreturn]] void fail_with_reason(const std::string& what);
+  // `unexplained`: the kind of the fault where the controller gives no reason.
+  [[noreturn]] void fail_with_reason(const std::string& what,
+                                     MachineFault::Kind unexplained = MachineFault::Kind::interrupted);
   void end_motion() noexcept;
   bool stands_still();
 
