@@ -15,16 +15,18 @@ class FirstHit {
       : part_(part),
         ray_(ray),
         facet_range_mm_(facet_range_mm),
-        facing_(std::abs(part.model.facet_normal(facet).dot(ray.direction))) {}
+        facing_(part.model.facet_normal(facet).dot(ray.direction)) {}
 
   void try_surface_of(std::uint32_t facet) {
     const std::uint32_t surface = part_.model.surface_of(facet);
-    const Vec2 start = parameters_beside(part_, facet, ray_.origin_mm + facet_range_mm_ * ray_.direction);
-    const auto meeting =
-        part_.exact->intersect(surface, ray_.origin_mm, ray_.direction, start, facet_range_mm_);
+    auto meeting = meet(surface, facet, facet_range_mm_);
+    // Grazing, the beam leaves the part within the same facets: found from there, where it entered lies on
+    // the other side of the facet.
+    if (meeting.converged && !faces_as_facet(meeting))
+      meeting = meet(surface, facet, 2.0 * facet_range_mm_ - meeting.range_mm);
     const double along_mm = std::abs(meeting.range_mm - facet_range_mm_);
     const double agreement_mm = part_.chord_tolerance_mm + kTrimMarginMm;
-    if (!meeting.converged || along_mm * facing_ > agreement_mm) return;
+    if (!meeting.converged || !faces_as_facet(meeting) || along_mm * std::abs(facing_) > agreement_mm) return;
     const bool inside = meeting.side == TrimSide::inside;
     const auto merit = std::make_pair(!inside, inside ? meeting.range_mm : along_mm);
     if (best_ && !(merit < best_merit_)) return;
@@ -36,10 +38,19 @@ class FirstHit {
   const std::optional<ExactRayHit>& result() const { return best_; }
 
  private:
+  ExactSurfaces::RayIntersection meet(std::uint32_t surface, std::uint32_t facet,
+                                      double from_range_mm) const {
+    const Vec2 start = parameters_beside(part_, facet, ray_.origin_mm + from_range_mm * ray_.direction);
+    return part_.exact->intersect(surface, ray_.origin_mm, ray_.direction, start, from_range_mm);
+  }
+  bool faces_as_facet(const ExactSurfaces::RayIntersection& meeting) const {
+    return meeting.hit.normal.dot(ray_.direction) * facing_ > 0.0;
+  }
+
   const Part& part_;
   const Ray& ray_;
   double facet_range_mm_;
-  double facing_;  // cosine between ray and facet normal
+  double facing_;  // cosine between ray and normal of the facet that it meets
   std::optional<ExactRayHit> best_;
   std::pair<bool, double> best_merit_;  // less is better
 };

@@ -16,8 +16,9 @@ struct ExactRayHit {
 
 // Intersects the ray with the surface of the facet that it meets, `facet` at `facet_range_mm`, and with those
 // of the facet's neighbours: near an edge of the part the facets of one surface stand where another surface
-// is. A hit counts when it lies within the chord tolerance of the facet's plane: what differs more is on
-// another part of a surface or on its continuation beyond an edge. The first such hit inside a face wins;
+// is. A hit counts when it faces the ray from the same side as the facet and lies within the chord tolerance
+// of the facet's plane: what differs more is on another part of a surface or on its continuation beyond an
+// edge. The first such hit inside a face wins;
 // if there is none, the one within the trimming margin that is nearest to the facet's.
 //
 // nullopt when the ray meets none of these surfaces: it passes by the part where a facet stands out of it (a

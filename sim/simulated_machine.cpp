@@ -161,7 +161,7 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
     at[k] = {path[k], mean_velocity(before, path[k], interval_s), time_s};
   }
   std::vector<VirtualMeasurement> measured(path.size());
-  parallel_for_blocks(path.size(), 256, [&](std::size_t begin, std::size_t end) {
+  parallel_for_blocks(path.size(), kPointsTogether, [&](std::size_t begin, std::size_t end) {
     measure_at(part_, setup_, true_machine_, sensor_stream_, std::span(at).subspan(begin, end - begin),
                point_ + begin, std::span(measured).subspan(begin, end - begin));
   });

@@ -110,11 +110,16 @@ std::optional<PartHit> first_exact_hit(const VirtualPart& part, const Ray& ray, 
                                        std::optional<RayHit> cast) {
   // Passed by; a beam that grazes more of them meets nothing that returns light.
   constexpr int kMostFacets = 16;
+  bool within_facets = false;  // entered by a facet whose surface was passed by
   for (int passed = 0; cast && passed < kMostFacets; ++passed) {
     const PartHit on_its_facet = on_facet(part, *cast);
-    const auto exact = meet_exact_surface(part, ray, on_its_facet);
-    if (exact) return exact;
-    if (part.field) return on_its_facet;
+    const bool leaves = within_facets && cast->normal.dot(ray.direction) > 0.0;
+    if (!leaves) {
+      const auto exact = meet_exact_surface(part, ray, on_its_facet);
+      if (exact) return exact;
+      if (part.field) return on_its_facet;
+    }
+    within_facets = cast->normal.dot(ray.direction) < 0.0;
     cast = part.caster->first_hit(ray, cast->range_mm + part.nominal->chord_tolerance_mm, max_range_mm);
   }
   return std::nullopt;

@@ -78,5 +78,27 @@ TEST(VirtualPart, WhereFacetsStandOutOfThePartTheBeamPassesBy) {
   EXPECT_GT(met_facets, 100);
 }
 
+// Grazing the torus at its outer equator (radius 13), where the beam enters and leaves within a few facets:
+// it meets the side that faces it, or, where no facet stands, nothing.
+TEST(VirtualPart, AGrazingBeamMeetsTheSideThatFacesIt) {
+  const VirtualPart part = exact_part(TestShape::torus);
+  int met = 0;
+  for (int turn = 0; turn < 3600; ++turn) {
+    const double angle = std::numbers::pi / 1800.0 * (turn + 0.37);
+    const Vec3 outward(std::cos(angle), std::sin(angle), 0.0);
+    const Vec3 along(-std::sin(angle), std::cos(angle), 0.0);
+    for (const double inside_mm : {0.001, 0.01, 0.02, 0.03, 0.05, 0.08, 0.15}) {
+      const double distance_mm = 13.0 - inside_mm;
+      const Ray ray{distance_mm * outward - 20.0 * along, along};
+      const auto hit = first_hit(part, ray, kInfinity);
+      if (!hit) continue;
+      ++met;
+      const double half_chord_mm = std::sqrt(13.0 * 13.0 - distance_mm * distance_mm);
+      EXPECT_NEAR(hit->range_mm, 20.0 - half_chord_mm, 1e-7) << angle << " " << inside_mm;
+    }
+  }
+  EXPECT_GT(met, 10000);
+}
+
 }  // namespace
 }  // namespace trueblade
