@@ -25,6 +25,8 @@ constexpr double kStatusIntervalS = 0.02;
 // The axes go off in the servo period of a fault; its words pass through the controller's task and user
 // interface, which are not real time.
 constexpr double kWordsTimeoutS = 1.0;
+// A busy controller takes this long at most to begin a program.
+constexpr double kStartTimeoutS = 3.0;
 // A program may take three times the estimate and this much for opening and starting it.
 constexpr double kProgramOverheadS = 10.0;
 // An axis that has arrived stands within the encoders' resolution and the following error of a standing axis.
@@ -266,14 +268,17 @@ void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(
     if (seconds_since(last_status) < kStatusIntervalS) continue;
     last_status = Clock::now();
     const std::string status = commands_->get("program_status").text;
-    if (status != "IDLE") seen_running = true;
-    if (status == "IDLE" && done()) return;
-    // A program that ends before it began to run was refused, as one that leaves the limits is.
-    const bool had_time_to_run = seconds_since(start) > 1.0;
-    if (status == "IDLE" && (seen_running || had_time_to_run) && !idle_since) idle_since = last_status;
-    // Samples under way may still say that it came to its end.
-    if (idle_since && seconds_since(*idle_since) > settings_.sensor_timeout_s)
-      fail_with_reason("the controller did not carry the program out to its end");
+    if (status != "IDLE") {
+      seen_running = true;
+      idle_since.reset();
+    } else {
+      if (done()) return;
+      // A program that has not begun by then was refused, as one that leaves the limits is.
+      if (!idle_since && (seen_running || seconds_since(start) > kStartTimeoutS)) idle_since = last_status;
+      // Samples under way may still say that it came to its end.
+      if (idle_since && seconds_since(*idle_since) > settings_.sensor_timeout_s)
+        fail_with_reason("the controller did not carry the program out to its end");
+    }
     if (seconds_since(start) > longest_s)
       fail_with_reason(fmt::format("the motion has not ended within {:.0f} s", longest_s));
   }

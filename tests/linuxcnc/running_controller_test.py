@@ -24,6 +24,7 @@ PROGRAM = BUILD / "trueblade"
 LOOP = pathlib.Path(tempfile.gettempdir()) / "trueblade_loop_test"
 ENVIRONMENT = {**os.environ, "TRUEBLADE_BUILD": str(BUILD), "TRUEBLADE_LOOP": str(LOOP)}
 MACHINE_FAULT = 3
+MIDDLE_BYTES = 2700  # of a journal of about 5,700: a scan in its middle
 
 CONTROLLER = "host: 127.0.0.1, command_port: {port}, sample_port: 5008, reset_estop: true, enable_password: {password}"
 SCENARIO = """name: running_controller
@@ -39,7 +40,7 @@ scan: {{views: [{{name: front, theta_deg: 0}}], spacing_mm: {spacing_mm}}}
 """
 
 
-def scenario_text(backend="linuxcnc", spacing_mm=4, port=5007, password="EMCTOO"):
+def scenario_text(backend="linuxcnc", spacing_mm=6, port=5007, password="EMCTOO"):
     text = "backend: " + backend
     if backend == "linuxcnc":
         text += f"\n  controller: {{{CONTROLLER.format(port=port, password=password)}}}"
@@ -130,7 +131,7 @@ class RunningController(unittest.TestCase):
     def started_scan(self):
         """The process, in the middle of its scan."""
         process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        while self.journal_bytes() < 6000:
+        while self.journal_bytes() < MIDDLE_BYTES:
             self.assertIsNone(process.poll(), "ended before the scan began")
             time.sleep(0.02)
         return process
@@ -144,7 +145,7 @@ class RunningController(unittest.TestCase):
         self.assertEqual(process.returncode, MACHINE_FAULT, errors)
         self.assertRegex(errors.lower(), words)
         self.assertRegex(errors, "the machine is (stopped|unknown)")
-        self.assertGreaterEqual(self.journal_bytes(), 6000, errors)
+        self.assertGreaterEqual(self.journal_bytes(), MIDDLE_BYTES, errors)
 
     def machine_file(self):
         machine = self.folder / "machine.yaml"
@@ -164,18 +165,18 @@ class RunningController(unittest.TestCase):
         controller.close()
         self.assertEqual(before, after)
 
-    def completes(self):
-        resumed = self.inspect(scenario_text(), "--resume")
+    def completes(self, scenario=scenario_text()):
+        resumed = self.inspect(scenario, "--resume")
         self.assertIn(resumed.returncode, (0, 1), resumed.stderr)
         samples = self.result()["samples"]
         self.assertEqual(samples["points"] + samples["out_of_range"] + samples["missed"], samples["planned"])
         self.assertLess(self.result()["rms_mm"], 0.004)  # 3 um of noise: nothing was mixed up
 
     def test_the_report_is_that_of_the_simulated_machine(self):
-        through = self.inspect(scenario_text())
+        through = self.inspect(scenario_text(spacing_mm=4))
         self.assertIn(through.returncode, (0, 1), through.stderr)
         real = self.result()
-        self.inspect(scenario_text("simulated"))
+        self.inspect(scenario_text("simulated", spacing_mm=4))
         simulated = self.result()
         for count in ("planned", "points", "out_of_range", "missed"):
             self.assertEqual(real["samples"][count], simulated["samples"][count], count)
@@ -208,16 +209,17 @@ class RunningController(unittest.TestCase):
         self.completes()
 
     def test_full_disk_in_the_middle_of_a_line(self):
+        scenario = scenario_text(spacing_mm=4)  # the journal outgrows the files written before it
         # A limit on the size of files stands for the disk.
         def limit():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (6500, resource.RLIM_INFINITY))
 
-        process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        process = subprocess.Popen(self.command(scenario), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                                    preexec_fn=limit, restore_signals=False)
         self.ends_as_a_fault(process, "the journal cannot be written")
         self.stands_still()
-        self.completes()
+        self.completes(scenario)
 
     def test_silent_sensor_and_controller_restarted(self):
         process = self.started_scan()
