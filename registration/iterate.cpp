@@ -94,8 +94,12 @@ class Iteration {
                  correspondences());
     state_.base.resize(scan_.size());
     state_.weights.resize(scan_.size());
-    for (std::size_t i = 0; i < scan_.size(); ++i)
-      state_.base[i] = correspondences().eligible[i] ? scan_.weight[i] : 0.0;
+    // A point at the border of the surfaces that take part may come with one pose and go with the next, and
+    // lead the iteration round in a circle. While the scale is held, a point that has gone stays away.
+    for (std::size_t i = 0; i < scan_.size(); ++i) {
+      const bool stays_away = held_scale_ && state_.base[i] == 0.0;
+      state_.base[i] = correspondences().eligible[i] && !stays_away ? scan_.weight[i] : 0.0;
+    }
     if (state_.trace.empty()) state_.first_rms_mm = rms_of_eligible(correspondences());
   }
 
