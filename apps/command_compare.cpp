@@ -19,10 +19,12 @@ struct Change {
   Json before, after;
   double uncertainty = 0.0;  // standard, of the difference; 0: not known
 
+  // NaN where a number is in one run only.
   double difference() const {
     return before.is_number() && after.is_number() ? after.get<double>() - before.get<double>()
                                                    : std::nan("");
   }
+  bool is_same() const { return before == after; }
   bool is_clear() const { return uncertainty > 0.0 && std::abs(difference()) > 3.0 * uncertainty; }
 };
 
@@ -37,6 +39,64 @@ double uncertainty_of(const Json& a, const Json& b) {
   return u.is_number() && v.is_number() ? std::hypot(u.get<double>(), v.get<double>()) : 0.0;
 }
 
+// Where the second pose puts the point that the first brings to its pivot, and how it is turned.
+void compare_poses(const std::string& name, const Json& a, const Json& b, std::vector<Change>& changes) {
+  const Json& pivot = a.at("pose_covariance_pivot_mm");
+  if (pivot.at(0).is_null()) return;
+  const Vec6 step =
+      step_between(pose_of(a.at("pose")), pose_of(b.at("pose")),
+                   {pivot.at(0).get<double>(), pivot.at(1).get<double>(), pivot.at(2).get<double>()});
+  const char* const kNames[] = {"pose, rotation x", "pose, rotation y", "pose, rotation z",
+                                "pose, centroid x", "pose, centroid y", "pose, centroid z"};
+  for (std::size_t k = 0; k < 6; ++k) {
+    const Json &u = a.at("pose_covariance").at(k).at(k), &v = b.at("pose_covariance").at(k).at(k);
+    const double uncertainty =
+        u.is_number() && v.is_number() ? std::sqrt(std::max(0.0, u.get<double>() + v.get<double>())) : 0.0;
+    changes.push_back(
+        {name, kNames[k], k < 3 ? "rad" : "mm", 0.0, step[static_cast<Eigen::Index>(k)], uncertainty});
+  }
+}
+
+void compare_registrations(const std::string& name, const Json& a, const Json& b,
+                           std::vector<Change>& changes, std::vector<std::string>& notes) {
+  for (const char* key : {"iterations", "inliers", "outliers"})
+    changes.push_back({name, key, "", a.at(key), b.at(key)});
+  if (a.at("termination") != b.at("termination"))
+    notes.push_back(fmt::format("{}: {} in the first run, {} in the second", name,
+                                a.at("termination").get<std::string>(),
+                                b.at("termination").get<std::string>()));
+  compare_poses(name, a, b, changes);
+}
+
+// The pose of one thing (`of`) against another, component by component.
+void compare_differences(const std::string& prefix, const Json& a, const Json& b,
+                         std::vector<Change>& changes, std::vector<std::string>& notes) {
+  for (const Json& difference : a) {
+    const std::string name = prefix + difference.at("of").get<std::string>();
+    const Json* other = find_by(b, "of", difference.at("of"));
+    if (!other) {
+      notes.push_back(name + " is only in the first run");
+      continue;
+    }
+    for (const auto& component : difference.at("components").items()) {
+      const Json& same = other->at("components").at(component.key());
+      const bool is_angle = component.key().ends_with("_rad");
+      changes.push_back({name, component.key(), is_angle ? "rad" : "mm", component.value().at("value"),
+                         same.at("value"), uncertainty_of(component.value(), same)});
+    }
+  }
+}
+
+void note_what_is_new(const std::string& prefix, const char* key, const Json& a, const Json& b,
+                      std::vector<std::string>& notes) {
+  for (const Json& entry : b)
+    if (!find_by(a, key, entry.at(key)))
+      notes.push_back(fmt::format("{}{} is only in the second run", prefix,
+                                  entry.at(key).is_string()
+                                      ? entry.at(key).get<std::string>()
+                                      : fmt::format("{:g} mm", entry.at(key).get<double>())));
+}
+
 void compare_views(const Json& a, const Json& b, std::vector<Change>& changes,
                    std::vector<std::string>& notes) {
   for (const Json& view : a.at("views")) {
@@ -46,7 +106,19 @@ void compare_views(const Json& a, const Json& b, std::vector<Change>& changes,
       notes.push_back(name + " is only in the first run");
       continue;
     }
-    changes.push_back({name, "points", "", view.at("points"), other->at("points")});
+    for (const char* key :
+         {"planned", "points", "out_of_range", "missed", "low_signal", "left_out_by_report"})
+      changes.push_back({name, key, "", view.at("samples").at(key), other->at("samples").at(key)});
+    if (!view.at("failure").is_null() || !other->at("failure").is_null()) {
+      notes.push_back(name + (view.at("failure").is_null()     ? " failed in the second run"
+                              : other->at("failure").is_null() ? " failed in the first run"
+                                                               : " failed in both runs"));
+      continue;
+    }
+    compare_registrations(name, view, *other, changes, notes);
+    changes.push_back({name, "initial_rms_mm", "mm", view.at("initial_rms_mm"), other->at("initial_rms_mm")});
+    changes.push_back(
+        {name, "time of the scan", "s", view.at("time_s").at("scan"), other->at("time_s").at("scan")});
     for (const char* key : {"rms_mm", "min_mm", "max_mm", "mean_mm", "standard_deviation_mm"})
       changes.push_back({name, key, "mm", view.at("deviations").at(key), other->at("deviations").at(key)});
     if (!view.at("tolerance").is_null() && !other->at("tolerance").is_null())
@@ -57,9 +129,17 @@ void compare_views(const Json& a, const Json& b, std::vector<Change>& changes,
         changes.push_back({name, "surface " + surface.at("name").get<std::string>() + " mean_mm", "mm",
                            surface.at("mean_mm"), same->at("mean_mm")});
   }
-  for (const Json& view : b.at("views"))
-    if (!find_by(a.at("views"), "view", view.at("view")))
-      notes.push_back("view " + view.at("view").get<std::string>() + " is only in the second run");
+  note_what_is_new("view ", "view", a.at("views"), b.at("views"), notes);
+  const Json &joint = a.at("joint"), &other_joint = b.at("joint");
+  if (joint.is_null() != other_joint.is_null())
+    notes.push_back(
+        fmt::format("all views together: only in the {} run", joint.is_null() ? "second" : "first"));
+  if (joint.is_null() || other_joint.is_null()) return;
+  compare_registrations("all views", joint, other_joint, changes, notes);
+  changes.push_back({"all views", "rms_mm", "mm", joint.at("deviations").at("rms_mm"),
+                     other_joint.at("deviations").at("rms_mm")});
+  compare_differences("against first: ", joint.at("between_views"), other_joint.at("between_views"), changes,
+                      notes);
 }
 
 void compare_features(const Json& a, const Json& b, std::vector<Change>& changes,
@@ -76,25 +156,22 @@ void compare_features(const Json& a, const Json& b, std::vector<Change>& changes
         changes.push_back({name, feature.at("name").get<std::string>(), feature.at("unit").get<std::string>(),
                            feature.at("measured"), same->at("measured"), uncertainty_of(feature, *same)});
   }
-  for (const Json& offset : a.at("offsets")) {
-    const Json* other = find_by(b.at("offsets"), "of", offset.at("of"));
-    if (!other) continue;
-    for (const auto& component : offset.at("components").items()) {
-      const Json& same = other->at("components").at(component.key());
-      changes.push_back({"group " + offset.at("of").get<std::string>(), component.key(), "",
-                         component.value().at("value"), same.at("value"),
-                         uncertainty_of(component.value(), same)});
-    }
-  }
+  note_what_is_new("section ", "height_mm", a.at("sections"), b.at("sections"), notes);
+  compare_differences("group ", a.at("offsets"), b.at("offsets"), changes, notes);
+  note_what_is_new("group ", "of", a.at("offsets"), b.at("offsets"), notes);
   for (const Json& profile : a.at("profiles")) {
     const Json* other = find_by(b.at("profiles"), "name", profile.at("name"));
-    if (!other) continue;
     const std::string name = "profile " + profile.at("name").get<std::string>();
+    if (!other) {
+      notes.push_back(name + " is only in the first run");
+      continue;
+    }
     changes.push_back({name, "profile_mm", "mm", profile.at("profile_mm"), other->at("profile_mm")});
     if (profile.at("conformity") != other->at("conformity"))
       notes.push_back(fmt::format("{}: was {}, is {}", name, profile.at("conformity").get<std::string>(),
                                   other->at("conformity").get<std::string>()));
   }
+  note_what_is_new("profile ", "name", a.at("profiles"), b.at("profiles"), notes);
 }
 
 void note_recipes(const Json& a, const Json& b, std::vector<std::string>& notes) {
@@ -106,7 +183,7 @@ void note_recipes(const Json& a, const Json& b, std::vector<std::string>& notes)
 
 std::string shown(const Json& value) {
   if (!value.is_number()) return "-";
-  return value.is_number_integer() ? value.dump() : fmt::format("{:.5f}", value.get<double>());
+  return value.is_number_integer() ? value.dump() : fmt::format("{:.6f}", value.get<double>());
 }
 
 int compare(const std::string& first, const std::string& second, bool json) {
@@ -133,14 +210,17 @@ int compare(const std::string& first, const std::string& second, bool json) {
     return ExitCode::done;
   }
   for (const std::string& note : notes) fmt::print("{}\n", note);
-  fmt::print("{:<18} {:<40} {:>12} {:>12} {:>12}\n", "What", "Number", "First", "Second", "Change");
+  fmt::print("{:<24} {:<40} {:<4} {:>12} {:>12} {:>12}\n", "What", "Number", "Unit", "First", "Second",
+             "Change");
   for (const Change& c : changes) {
-    if (!(std::abs(c.difference()) > 0.0)) continue;
-    fmt::print("{:<18} {:<40} {:>12} {:>12} {:>+12.5f}{}\n", c.what, c.name, shown(c.before), shown(c.after),
-               c.difference(), c.is_clear() ? "  more than 3 standard uncertainties" : "");
+    if (c.is_same()) continue;
+    const double difference = c.difference();
+    fmt::print("{:<24} {:<40} {:<4} {:>12} {:>12} {:>12}{}\n", c.what, c.name, c.unit, shown(c.before),
+               shown(c.after), std::isnan(difference) ? "-" : fmt::format("{:+.6f}", difference),
+               c.is_clear() ? "  more than 3 standard uncertainties" : "");
   }
   const auto same =
-      std::count_if(changes.begin(), changes.end(), [](const Change& c) { return c.difference() == 0.0; });
+      std::count_if(changes.begin(), changes.end(), [](const Change& c) { return c.is_same(); });
   fmt::print("{} of {} numbers are the same\n", same, changes.size());
   return ExitCode::done;
 }

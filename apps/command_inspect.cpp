@@ -19,8 +19,17 @@ struct InspectOptions {
   bool resume = false;
 };
 
-bool within_tolerance(const ViewResult& view, const std::pair<double, double>& tolerance_mm) {
-  return view.statistics.min_mm >= tolerance_mm.first && view.statistics.max_mm <= tolerance_mm.second;
+// Outliers may be errors of the measurement or of the part: where they lie outside, the tolerance is not kept
+// before someone has looked.
+bool keeps_tolerance(const ViewResult& view, const std::pair<double, double>& tolerance_mm) {
+  const ToleranceCounts& counts = *view.tolerance;
+  if (counts.over + counts.under > 0)
+    spdlog::warn("view {}: deviations from {:.4f} to {:.4f} mm leave the tolerance of {} to {} mm", view.view,
+                 view.statistics.min_mm, view.statistics.max_mm, tolerance_mm.first, tolerance_mm.second);
+  else if (counts.outliers_outside > 0)
+    spdlog::warn("view {}: cannot tell: {} outliers lie outside the tolerance of {} to {} mm", view.view,
+                 counts.outliers_outside, tolerance_mm.first, tolerance_mm.second);
+  return counts.over + counts.under + counts.outliers_outside == 0;
 }
 
 // Tells what the numbers alone do not, and returns whether everything is as it should be.
@@ -28,10 +37,7 @@ bool tell_verdict(const Scenario& scenario, const ViewResult& view) {
   for (const std::string& caution : cautions(view)) spdlog::warn("{}", caution);
   if (!view.failure.empty()) return false;
   const auto& tolerance = scenario.inspection.tolerance_mm;
-  const bool tolerance_kept = !tolerance || within_tolerance(view, *tolerance);
-  if (!tolerance_kept)
-    spdlog::warn("view {}: deviations from {:.4f} to {:.4f} mm leave the tolerance of {} to {} mm", view.view,
-                 view.statistics.min_mm, view.statistics.max_mm, tolerance->first, tolerance->second);
+  const bool tolerance_kept = !tolerance || keeps_tolerance(view, *tolerance);
   return tolerance_kept && is_converged(view.registration.termination);
 }
 
@@ -42,6 +48,10 @@ bool tell_decisions(const EvaluationResult& evaluation) {
     all_conform = false;
     spdlog::warn("profile {}: {}: {}", profile.callout.name, to_string(profile.conformity), profile.reason);
   }
+  for (const SectionResult& section : evaluation.sections)
+    for (const SectionFeature& feature : section.features)
+      if (!feature.reason.empty())
+        spdlog::warn("section at {:g} mm: no {}: {}", section.height_mm, feature.name, feature.reason);
   return all_conform;
 }
 

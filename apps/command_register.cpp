@@ -16,6 +16,7 @@
 #include "inspection/table.h"
 #include "part/read_points.h"
 #include "registration/compare_variants.h"
+#include "registration/rejection.h"
 
 namespace trueblade {
 namespace {
@@ -92,6 +93,7 @@ int run_registration(const RegisterOptions& options, bool json) {
   result.run.surfaces = input.part.surfaces.size();
   result.run.facets = input.part.model.facet_count();
   result.run.registration_preset = registration.preset;
+  result.run.rejection_rule = in_words(registration.options.rejection);
   result.run.deviations_from = to_string(DeviationSurface::exact);
   result.run.colour_limit_mm = rounded_colour_limit_mm(view.result.statistics.rms_mm);
   result.views.push_back(view.result);

@@ -21,6 +21,7 @@
 #include "inspection/render_png.h"
 #include "inspection/result_json.h"
 #include "inspection/surface_selection.h"
+#include "registration/rejection.h"
 
 namespace trueblade {
 namespace {
@@ -49,6 +50,7 @@ RunFacts run_facts(const Scenario& scenario, const Part& part) {
   run.surfaces = part.surfaces.size();
   run.facets = part.model.facet_count();
   run.registration_preset = scenario.registration.preset;
+  run.rejection_rule = in_words(scenario.registration.options.rejection);
   run.deviations_from = to_string(scenario.inspection.surface);
   run.colour_map = scenario.inspection.colour_map;
   run.tolerance = tolerance_of(scenario.inspection);

@@ -47,6 +47,15 @@ Json read_result(const std::filesystem::path& folder) {
   return result;
 }
 
+RigidTransform pose_of(const Json& pose) {
+  const Json &q = pose.at("rotation_wxyz"), &t = pose.at("translation_mm");
+  RigidTransform transform;
+  transform.rotation = Eigen::Quaterniond(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(),
+                                          q.at(3).get<double>());
+  transform.translation_mm = Vec3(t.at(0).get<double>(), t.at(1).get<double>(), t.at(2).get<double>());
+  return transform;
+}
+
 ReportCloud read_cloud(const std::filesystem::path& folder, const std::string& view) {
   const PlyFile ply = read_ply(folder / fmt::format("deviations_{}.ply", view));
   const PlyElement* vertex = ply.find("vertex");

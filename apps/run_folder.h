@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "geometry/rigid_transform.h"
 #include "inspection/report_html.h"
 
 namespace trueblade {
@@ -11,6 +12,9 @@ namespace trueblade {
 // result.json of the folder. Throws InputError naming the file when it is missing, no JSON, no result of
 // trueblade, or of a newer schema than this program knows.
 nlohmann::ordered_json read_result(const std::filesystem::path& folder);
+
+// A pose of result.json.
+RigidTransform pose_of(const nlohmann::ordered_json& pose);
 
 // The points of deviations_<view>.ply. Throws InputError naming the file when it is missing or damaged.
 ReportCloud read_cloud(const std::filesystem::path& folder, const std::string& view);

@@ -24,15 +24,6 @@ std::string text_of(const std::filesystem::path& file) {
   return text.str();
 }
 
-RigidTransform pose_of(const Json& pose) {
-  const Json &q = pose.at("rotation_wxyz"), &t = pose.at("translation_mm");
-  RigidTransform transform;
-  transform.rotation = Eigen::Quaterniond(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(),
-                                          q.at(3).get<double>());
-  transform.translation_mm = Vec3(t.at(0).get<double>(), t.at(1).get<double>(), t.at(2).get<double>());
-  return transform;
-}
-
 Viewpoint viewpoint_of(const Scenario& scenario, const Json& view) {
   return viewpoint_of_view(view.at("view").get<std::string>(), scenario.machine.geometry,
                            view.at("theta_rad").get<double>(), pose_of(view.at("pose")));

@@ -148,6 +148,7 @@ Json counts_json(const ToleranceCounts& counts) {
   return {{"within", counts.within},
           {"over", counts.over},
           {"under", counts.under},
+          {"outliers_outside", counts.outliers_outside},
           {"percent_within", number_json(counts.percent(counts.within))},
           {"percent_over", number_json(counts.percent(counts.over))},
           {"percent_under", number_json(counts.percent(counts.under))}};

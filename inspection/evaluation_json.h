@@ -14,7 +14,7 @@ nlohmann::ordered_json pose_json(const RigidTransform& pose);
 nlohmann::ordered_json covariance_json(const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 nlohmann::ordered_json statistics_json(const DeviationStatistics& statistics);
 nlohmann::ordered_json tolerance_json(const Tolerance& tolerance);
-// {within, over, under, percent_within, percent_over, percent_under}
+// {within, over, under, outliers_outside, percent_within, percent_over, percent_under}
 nlohmann::ordered_json counts_json(const ToleranceCounts& counts);
 
 // The keys joint, profiles, sections, groups, offsets and missing.

@@ -72,7 +72,8 @@ ProfileResult evaluate_profile(const ProfileCallout& callout, const Part& part, 
 
   ProfileResult result;
   result.callout = callout;
-  std::vector<double> measured;
+  std::vector<double> on_surfaces_mm;
+  std::vector<bool> left_out;
   std::size_t bad = 0, doubtful = 0, outliers_outside = 0;
   Worst worst;
   for (std::size_t i = 0; i < deviations.size(); ++i) {
@@ -80,21 +81,22 @@ ProfileResult evaluate_profile(const ProfileCallout& callout, const Part& part, 
     ++result.points;
     const double outside_mm = excess_mm(tolerance, deviations.signed_mm[i]);
     const double guard_mm = kGuardFactor * uncertainty_mm[i];
-    if (deviations.outliers.is_outlier[i]) {
+    on_surfaces_mm.push_back(deviations.signed_mm[i]);
+    left_out.push_back(deviations.outliers.is_outlier[i]);
+    if (left_out.back()) {
       ++result.outliers;
       outliers_outside += outside_mm > -guard_mm;
       continue;
     }
-    measured.push_back(deviations.signed_mm[i]);
     bad += outside_mm > guard_mm;
     doubtful += outside_mm > -guard_mm && outside_mm <= guard_mm;
     if (outside_mm > worst.excess_mm) worst = {outside_mm, guard_mm};
   }
-  const DeviationStatistics statistics = statistics_of(measured, {});
+  const DeviationStatistics statistics = statistics_of(on_surfaces_mm, left_out);
   result.min_mm = statistics.min_mm;
   result.max_mm = statistics.max_mm;
-  result.counts = count_against(measured, {}, tolerance);
-  if (!measured.empty()) {
+  result.counts = count_against(on_surfaces_mm, left_out, tolerance);
+  if (result.points > result.outliers) {
     result.guard_mm = worst.guard_mm;
     result.profile_mm = 2.0 * worst.excess_mm + (tolerance.upper_mm - tolerance.lower_mm);
   }

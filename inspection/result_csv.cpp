@@ -28,7 +28,7 @@ std::string row(const std::vector<Json>& cells) {
 constexpr const char* kStatistics[] = {
     "points",           "outliers",        "min_mm", "max_mm", "mean_mm", "rms_mm", "standard_deviation_mm",
     "mean_positive_mm", "mean_negative_mm"};
-constexpr const char* kCounts[] = {"percent_within", "percent_over", "percent_under"};
+constexpr const char* kCounts[] = {"percent_within", "percent_over", "percent_under", "outliers_outside"};
 
 std::string statistics_row(const Json& view, const Json& surface, const Json& name, const Json& statistics,
                            const Json& tolerance) {
@@ -45,8 +45,8 @@ std::string differences(const char* kind, const Json& list) {
       const std::string name = component.key();
       text += row({kind, difference.at("of"), name.substr(0, name.rfind('_')),
                    name.substr(name.rfind('_') + 1), 0.0, component.value().at("value"),
-                   component.value().at("value"), component.value().at("standard_uncertainty"),
-                   "from " + difference.at("from").get<std::string>()});
+                   component.value().at("value"), component.value().at("standard_uncertainty"), nullptr,
+                   nullptr, nullptr, nullptr, difference.at("from"), nullptr});
     }
   return text;
 }
@@ -68,15 +68,21 @@ std::string statistics_csv(const Json& result) {
 }
 
 std::string features_csv(const Json& result) {
-  std::string text = "kind,where,name,unit,nominal,measured,deviation,standard_uncertainty,method\r\n";
+  std::string text =
+      "kind,where,name,unit,nominal,measured,deviation,standard_uncertainty,lower_limit,upper_limit,guard_"
+      "band,"
+      "decision,relative_to,method\r\n";
   for (const Json& section : result.at("sections"))
     for (const Json& feature : section.at("features"))
       text += row({"section", section.at("height_mm"), feature.at("name"), feature.at("unit"),
                    feature.at("nominal"), feature.at("measured"), feature.at("deviation"),
-                   feature.at("standard_uncertainty"), feature.at("method")});
+                   feature.at("standard_uncertainty"), nullptr, nullptr, nullptr, nullptr, nullptr,
+                   feature.at("measured").is_null() ? feature.at("reason") : feature.at("method")});
   for (const Json& profile : result.at("profiles"))
     text += row({"profile", profile.at("name"), "profile", "mm", 0.0, profile.at("profile_mm"),
-                 profile.at("profile_mm"), nullptr, profile.at("conformity")});
+                 profile.at("profile_mm"), nullptr, profile.at("tolerance_mm").at(0),
+                 profile.at("tolerance_mm").at(1), profile.at("guard_mm"), profile.at("conformity"), nullptr,
+                 profile.at("reason")});
   text += differences("offset", result.at("offsets"));
   if (!result.at("joint").is_null())
     text += differences("between views", result.at("joint").at("between_views"));

@@ -25,10 +25,12 @@ ToleranceCounts count_against(std::span<const double> deviations_mm, const std::
                               const Tolerance& tolerance) {
   ToleranceCounts counts;
   for (std::size_t i = 0; i < deviations_mm.size(); ++i) {
-    if (!left_out.empty() && left_out[i]) continue;
-    if (deviations_mm[i] > tolerance.upper_mm) {
+    const bool over = deviations_mm[i] > tolerance.upper_mm, under = deviations_mm[i] < tolerance.lower_mm;
+    if (!left_out.empty() && left_out[i]) {
+      counts.outliers_outside += over || under ? 1 : 0;
+    } else if (over) {
       ++counts.over;
-    } else if (deviations_mm[i] < tolerance.lower_mm) {
+    } else if (under) {
       ++counts.under;
     } else {
       ++counts.within;

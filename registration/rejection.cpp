@@ -1,5 +1,7 @@
 #include "registration/rejection.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -54,6 +56,27 @@ double welsch(double u) {
 }
 
 }  // namespace
+
+std::string in_words(const RejectionOptions& options) {
+  switch (options.rule) {
+    case RejectionRule::none:
+      return "every correspondence takes part";
+    case RejectionRule::consistent_cut:
+      return fmt::format("residual after the step beyond {:g} robust standard deviations, in every iteration",
+                         options.cut_sigma);
+    case RejectionRule::three_sigma:
+      return "distance beyond mean + 3 standard deviations of the unsigned distances, in every iteration";
+    case RejectionRule::worst_fraction:
+      return fmt::format("the farthest {:g} % in every iteration", 100.0 * options.worst_fraction);
+    case RejectionRule::least_median_of_squares:
+      return "residual beyond 2.5 standard deviations of the fit with the least median of squares";
+    case RejectionRule::tukey:
+      return fmt::format("Tukey's biweight, {:g} robust standard deviations", options.tukey_constant);
+    case RejectionRule::welsch:
+      return fmt::format("Welsch's weight, {:g} robust standard deviations", options.welsch_constant);
+  }
+  return {};
+}
 
 double consistent_sigma_mm(std::span<const double> residual_mm, std::span<const double> weights) {
   const std::size_t stride = std::max<std::size_t>(1, residual_mm.size() / 4096);

@@ -3,10 +3,14 @@
 
 #include <limits>
 #include <span>
+#include <string>
 
 #include "registration/options.h"
 
 namespace trueblade {
+
+// The rule and its number, for reports.
+std::string in_words(const RejectionOptions& options);
 
 // What a rule found in the residuals.
 struct RejectionScale {

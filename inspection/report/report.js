@@ -420,8 +420,8 @@ function histogram(values) {
 const kConformity = {'conforming': 'good', 'not conforming': 'bad', 'cannot tell': 'doubt'};
 const statisticsHeadings = ['Points', 'Outliers', 'Min', 'Max', 'Mean', 'RMS', 'Std dev', 'Mean +', 'Mean \u2212'];
 const statisticsCells = s => [s.points, s.outliers, mm(s.min_mm), mm(s.max_mm), mm(s.mean_mm), mm(s.rms_mm), mm(s.standard_deviation_mm), mm(s.mean_positive_mm), mm(s.mean_negative_mm)];
-const countHeadings = tolerance ? ['Within', 'Over', 'Under'] : [];
-const countCells = t => !tolerance ? [] : t ? [percent(t.percent_within), percent(t.percent_over), percent(t.percent_under)] : ['\u2013', '\u2013', '\u2013'];
+const countHeadings = tolerance ? ['Within', 'Over', 'Under', 'Outliers outside'] : [];
+const countCells = t => !tolerance ? [] : t ? [percent(t.percent_within), percent(t.percent_over), percent(t.percent_under), t.outliers_outside] : Array(4).fill('\u2013');
 
 function viewTable() {
   const headings = ['View', '', 'Before RMS', ...statisticsHeadings, ...countHeadings, 'RMS from facets', 'Planned', 'Out of range', 'Missed', 'Low signal', 'Rejected by registration'];
@@ -509,7 +509,7 @@ function registrationFacts() {
 function provenance() {
   const run = result.run, facts = {
     'scenario': run.scenario, 'seed': run.seed, 'program': 'trueblade ' + run.program_version, 'date': run.date || '\u2013', 'machine': run.machine, 'lens': run.lens,
-    'part': run.part, 'CAD surfaces / facets': `${run.surfaces} / ${run.facets}`, 'registration preset': run.registration_preset, 'deviations from': run.deviations_from,
+    'part': run.part, 'CAD surfaces / facets': `${run.surfaces} / ${run.facets}`, 'registration preset': run.registration_preset, 'rejected by registration': result.outlier_rules.registration, 'outliers of this report': result.outlier_rules.report, 'deviations from': run.deviations_from,
     'tolerance': tolerance ? `${tolerance[0]} to ${tolerance[1]} mm` : 'none', 'result schema': `${result.schema} ${result.schema_version}`
   };
   for (const [name, value] of Object.entries(facts)) byId('provenance').append(element('div', {}, element('span', {}, name), element('span', {}, String(value))));
@@ -521,7 +521,15 @@ function summary() {
   byId('title').textContent = `Inspection of ${result.run.part}`;
   byId('subtitle').textContent = `${result.run.scenario} \u00b7 ${result.run.date || ''} \u00b7 ${result.views.length} view${result.views.length === 1 ? '' : 's'}`;
   const chip = (text, kind) => byId('chips').append(element('span', {class: 'chip ' + kind}, text));
-  for (const v of result.views) chip(v.failure ? `${v.view}: failed` : v.converged ? `${v.view}: RMS ${mm(v.rms_mm)} mm` : `${v.view}: ${v.termination}`, v.converged ? 'good' : 'bad');
+  const verdict = v => {
+    if (v.failure) return [`${v.view}: failed`, 'bad'];
+    if (!v.converged) return [`${v.view}: ${v.termination}`, 'bad'];
+    const rms = `${v.view}: RMS ${mm(v.rms_mm)} mm`, t = v.tolerance;
+    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} points out of tolerance`, 'bad'];
+    if (t && t.outliers_outside) return [`${rms}, ${t.outliers_outside} outliers out of tolerance`, 'doubt'];
+    return [rms, 'good'];
+  };
+  for (const v of result.views) chip(...verdict(v));
   for (const p of result.profiles) chip(`${p.name}: ${p.conformity}`, kConformity[p.conformity]);
   const missing = [...result.views.filter(v => v.failure).map(v => `view ${v.view}: ${v.failure}`), ...result.missing, ...data.missing];
   if (missing.length) byId('missing').append(element('h3', {class: 'bad'}, 'Missing from this report'), element('ul', {}, ...missing.map(m => element('li', {}, m))));

@@ -5,9 +5,11 @@
 // are absent.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
+#include "apps/run_folder.h"
 #include "tests/apps/sample_inputs.h"
 
 namespace trueblade {
@@ -135,6 +137,12 @@ TEST_F(ReportTest, CompareTellsWhatChanged) {
       run_trueblade({"inspect", "full.yaml", "--out", "other", "--seed", "6"}, folder_.path()).exit_code, 2);
   const ChildResult same = run_trueblade({"compare", "run", "run"}, folder_.path());
   EXPECT_EQ(same.exit_code, 0) << same.err;
+  // The heading and the count, and nothing between them.
+  const std::string last = same.out.substr(same.out.rfind('\n', same.out.size() - 2) + 1);
+  const std::size_t of = last.find(" of ");
+  ASSERT_NE(of, std::string::npos) << same.out;
+  EXPECT_EQ(last.substr(0, of), last.substr(of + 4, of)) << same.out;
+  EXPECT_EQ(std::count(same.out.begin(), same.out.end(), '\n'), 2) << same.out;
   const ChildResult changed = run_trueblade({"compare", "run", "other"}, folder_.path());
   EXPECT_EQ(changed.exit_code, 0) << changed.err;
   EXPECT_NE(changed.out.find("seed: 5 in the first run, 6 in the second"), std::string::npos) << changed.out;
@@ -147,6 +155,25 @@ TEST_F(ReportTest, CompareTellsWhatChanged) {
                   change["after"].get<double>() - change["before"].get<double>(), 1e-15);
     }
   EXPECT_TRUE(found);
+
+  // The other seed turns and shifts nothing of the part but the pose that is found: by the definition of the
+  // pivot.
+  const Json a = result()["views"][0];
+  const Json b = Json::parse(text_of(folder_ / "other/result.json"))["views"][0];
+  const auto vector = [](const Json& list) {
+    return Vec3(list[0].get<double>(), list[1].get<double>(), list[2].get<double>());
+  };
+  const Vec3 pivot = vector(a["pose_covariance_pivot_mm"]);
+  const Vec3 moved = pose_of(b["pose"]) * (pose_of(a["pose"]).inverse() * pivot) - pivot;
+  int components = 0;
+  for (const Json& change : json["changes"])
+    for (const int k : {0, 1, 2})
+      if (change["what"] == "view front" && change["name"] == std::string("pose, centroid ") + "xyz"[k]) {
+        ++components;
+        EXPECT_NEAR(change["difference"].get<double>(), moved[k], 1e-12);
+        EXPECT_GT(change["standard_uncertainty"].get<double>(), 0.0);
+      }
+  EXPECT_EQ(components, 3);
 }
 
 TEST(FailedView, LeavesTheOthers) {
@@ -163,6 +190,25 @@ TEST(FailedView, LeavesTheOthers) {
   EXPECT_TRUE(std::filesystem::exists(folder / "run/report.html"));
   const ChildResult regress = run_trueblade({"regress", "lost.yaml"}, folder.path());
   EXPECT_EQ(regress.exit_code, 0) << regress.out << regress.err;
+}
+
+// A range of 2 mm and a fixture that moves between the views: with seed 6 the first view is 0.4 mm off, the
+// second sees nothing.
+TEST(FailedView, IsLackedByAViewThatIsReported) {
+  const CubeFolder folder;
+  std::string lost = kCubeScenario;
+  lost.replace(lost.find("fixture_y: {mean_mm: -0.3}"), 26, "fixture_y: {sigma_mm: 1.5, scope: view}");
+  lost.replace(lost.find("working_range_mm: 70"), 20, "working_range_mm: 2");
+  folder.write("lost.yaml", lost);
+  const ChildResult result =
+      run_trueblade({"inspect", "lost.yaml", "--seed", "6", "--out", "run"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  const Json views = Json::parse(text_of(folder / "run/result.json"))["views"];
+  EXPECT_TRUE(views[0]["converged"].get<bool>());
+  EXPECT_LT(views[0]["rms_mm"].get<double>(), 0.004);  // 3 um of noise
+  EXPECT_NE(views[1]["failure"].get<std::string>().find("none of"), std::string::npos);
+  for (const char* file : {"front.png", "deviations_front.ply", "report.html", "statistics.csv"})
+    EXPECT_TRUE(std::filesystem::exists(folder / "run" / file)) << file;
 }
 
 }  // namespace

@@ -27,11 +27,12 @@ Deviations with_deviations(const std::vector<double>& signed_mm) {
 }
 
 TEST(Tolerance, CountsWithinOverAndUnder) {
-  const ToleranceCounts c =
-      count_against(std::vector{-0.2, -0.1, 0.0, 0.1, 0.3, 0.4, 9.0}, {0, 0, 0, 0, 0, 0, 1}, {-0.1, 0.3});
+  const ToleranceCounts c = count_against(std::vector{-0.2, -0.1, 0.0, 0.1, 0.3, 0.4, 9.0, 0.2},
+                                          {0, 0, 0, 0, 0, 0, 1, 1}, {-0.1, 0.3});
   EXPECT_EQ(c.within, 4U);  // both limits included
   EXPECT_EQ(c.over, 1U);
   EXPECT_EQ(c.under, 1U);
+  EXPECT_EQ(c.outliers_outside, 1U);
   EXPECT_DOUBLE_EQ(c.percent(c.within), 400.0 / 6.0);
   EXPECT_TRUE(std::isnan(ToleranceCounts{}.percent(0)));
   EXPECT_THROW((Tolerance{0.1, 0.1}.validate()), InputError);
