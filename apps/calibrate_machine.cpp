@@ -55,9 +55,8 @@ struct SphereScans {
 // Fewer than all views when the user interrupts it.
 SphereScans measure_sphere(const Scenario& scenario, const CalibrateOptions& options) {
   const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
-  std::filesystem::path journal = options.out;
-  Measurement measurement(scenario, nominal,
-                          JournalSpec{journal.replace_extension("journal"), options.resume});
+  Measurement measurement(scenario, nominal);
+  measurement.keep_journal(std::filesystem::path(options.out).replace_extension("journal"), options.resume);
   SphereScans scans;
   for (const ScanPlan& plan : measurement.plans()) {
     scans.add(plan.view, measurement.measure(plan).scan.samples);

@@ -34,6 +34,9 @@ void add_study_command(CLI::App& app, CommandLine& line);
 void add_report_command(CLI::App& app, CommandLine& line);
 void add_compare_command(CLI::App& app, CommandLine& line);
 
+// The text of an option that counts: digits only.
+CLI::Validator whole_number();
+
 // Parses, runs, and turns every error into a message on standard error and an exit code. `arguments` excludes
 // the program's name.
 int run_command_line(std::vector<std::string> arguments);

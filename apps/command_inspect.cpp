@@ -38,7 +38,11 @@ bool tell_verdict(const Scenario& scenario, const ViewResult& view) {
   if (!view.failure.empty()) return false;
   const auto& tolerance = scenario.inspection.tolerance_mm;
   const bool tolerance_kept = !tolerance || keeps_tolerance(view, *tolerance);
-  return tolerance_kept && is_converged(view.registration.termination);
+  const auto& cross_check = view.registration.cross_check;
+  if (cross_check && cross_check->agrees)
+    spdlog::info("view {}: the cross-check agrees: {}", view.view, cross_check->summary);
+  return tolerance_kept && is_converged(view.registration.termination) &&
+         (!cross_check || cross_check->agrees);
 }
 
 bool tell_decisions(const EvaluationResult& evaluation) {
@@ -122,7 +126,7 @@ void add_inspect_command(CLI::App& app, CommandLine& line) {
   command->add_option("--out", options->out, "Folder of the report (default: results/runs/<scenario name>)")
       ->type_name("DIR");
   command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->type_name("N");
   command->add_flag("--resume", options->resume,
                     "Go on with the scan in the folder's journal: what it holds is not measured again");

@@ -128,6 +128,17 @@ int parse_and_run(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+CLI::Validator whole_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const bool counts = !text.empty() && std::all_of(text.begin(), text.end(), [](unsigned char letter) {
+          return letter >= '0' && letter <= '9';
+        });
+        return counts ? std::string() : text + " is no whole number from 0";
+      },
+      "");
+}
+
 int run_command_line(std::vector<std::string> arguments) {
   start_log();
   catch_interrupts();

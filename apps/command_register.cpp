@@ -103,8 +103,13 @@ int run_registration(const RegisterOptions& options, bool json) {
     fmt::print("{}\n", result_json(result).dump(2));
   else
     fmt::print("{}", inspection_table(result));
+  const auto& cross_check = view.result.registration.cross_check;
+  if (!json && cross_check && cross_check->agrees)
+    fmt::print("The cross-check agrees: {}\n", cross_check->summary);
   for (const std::string& caution : cautions(view.result)) spdlog::warn("{}", caution);
-  return is_converged(view.result.registration.termination) ? ExitCode::done : ExitCode::expectation_failed;
+  const bool sound =
+      is_converged(view.result.registration.termination) && (!cross_check || cross_check->agrees);
+  return sound ? ExitCode::done : ExitCode::expectation_failed;
 }
 
 nlohmann::ordered_json variant_json(const VariantResult& row) {

@@ -29,13 +29,15 @@ std::filesystem::path file_of_view(const ScanOptions& options, std::size_t views
 }
 
 int scan(const ScanOptions& options, bool json) {
+  if (options.out.extension() != ".ply")
+    throw InputError(
+        fmt::format("--out is {}, must end in .ply: that is what is written", options.out.string()));
   Scenario scenario = read_scenario(options.scenario);
   if (options.seed) scenario.seed = *options.seed;
   const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
+  Measurement measurement(scenario, nominal);
   create_output_folder(std::filesystem::absolute(options.out).parent_path());
-  std::filesystem::path journal = options.out;
-  Measurement measurement(scenario, nominal,
-                          JournalSpec{journal.replace_extension("journal"), options.resume});
+  measurement.keep_journal(std::filesystem::path(options.out).replace_extension("journal"), options.resume);
 
   nlohmann::ordered_json files = nlohmann::ordered_json::array();
   for (const ScanPlan& plan : measurement.plans()) {
@@ -75,7 +77,7 @@ void add_scan_command(CLI::App& app, CommandLine& line) {
       ->required()
       ->type_name("FILE");
   command->add_option("--seed", options->seed, "Seed of the simulated errors, instead of the scenario's")
-      ->check(CLI::NonNegativeNumber)
+      ->check(whole_number())
       ->type_name("N");
   command->add_flag(
       "--resume", options->resume,

@@ -21,6 +21,7 @@
 #include "inspection/render_png.h"
 #include "inspection/result_json.h"
 #include "inspection/surface_selection.h"
+#include "registration/correspondences.h"
 #include "registration/rejection.h"
 
 namespace trueblade {
@@ -190,14 +191,16 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
   const PartOnMachine nominal = put_on_machine(make_part(scenario.part));
   spdlog::info("part has {} surfaces, {} facets", nominal.part->surfaces.size(),
                nominal.part->model.facet_count());
-  if (run_folder) prepare_run_folder(*run_folder, scenario);
-
+  // What the registration would refuse after the scan.
+  require_surfaces(*nominal.part, scenario.registration.options.surfaces);
   InspectionRun run;
   run.result.run = run_facts(scenario, *nominal.part);
   const RegistrationTarget target(*nominal.part);
-  std::optional<JournalSpec> journal;
-  if (run_folder) journal = JournalSpec{*run_folder / "scan.journal", resume};
-  Measurement measurement(scenario, nominal, journal);
+  Measurement measurement(scenario, nominal);
+  if (run_folder) {
+    prepare_run_folder(*run_folder, scenario);
+    measurement.keep_journal(*run_folder / "scan.journal", resume);
+  }
   const ViewEvaluationOptions options = view_options(*nominal.part, scenario, measurement.plans().size());
   std::vector<FinishedView> views;
   for (const ScanPlan& plan : measurement.plans()) {

@@ -11,6 +11,7 @@
 #include "hardware/execute_plan.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/recorded/recorded_machine.h"
+#include "sim/deform_model.h"
 
 namespace trueblade {
 
@@ -73,6 +74,15 @@ struct Backend {
   SimulatedMachine* simulated = nullptr;
 };
 
+// A defect that misses the part would show as a measurement that finds nothing.
+void tell_idle_form_errors(const Scenario& scenario, const FacetModel& nominal) {
+  const FormErrors& errors = scenario.machine.simulation.form_errors;
+  for (std::size_t k = 0; k < errors.size(); ++k)
+    if (!deform_model(nominal, DisplacementField({errors[k]}, scenario.seed, scenario.trial)).displaced)
+      spdlog::warn("form error {} of {} moves no point of the part: does it lie on the surface?", k + 1,
+                   errors.size());
+}
+
 Backend make_backend(const Scenario& scenario, const PartOnMachine& nominal) {
   Backend backend;
   if (scenario.machine.backend == "recorded") {
@@ -86,28 +96,34 @@ Backend make_backend(const Scenario& scenario, const PartOnMachine& nominal) {
                                                        scenario.machine.dynamics);
     return backend;
   }
-  auto simulated =
-      std::make_unique<SimulatedMachine>(virtual_part(scenario, nominal), virtual_setup(scenario));
+  VirtualPart part = virtual_part(scenario, nominal);
+  tell_idle_form_errors(scenario, part.nominal->model);
+  auto simulated = std::make_unique<SimulatedMachine>(std::move(part), virtual_setup(scenario));
   backend.simulated = simulated.get();
   backend.driver = std::move(simulated);
   return backend;
 }
 
 // A simulated scan is repeated in a moment; what a real machine measured is forced to disk sample by sample.
+bool is_real(const Scenario& scenario) {
+  return scenario.machine.backend == "linuxcnc";
+}
 JournalWriter::Durability durability_of(const Scenario& scenario) {
-  return scenario.machine.backend == "linuxcnc" ? JournalWriter::Durability::each_sample
-                                                : JournalWriter::Durability::each_view;
+  return is_real(scenario) ? JournalWriter::Durability::each_sample : JournalWriter::Durability::each_view;
 }
 
-void keep_unfinished(const std::filesystem::path& file) {
+// A finished scan of a simulated machine can be made again; all else is kept.
+void keep_earlier_scan(const std::filesystem::path& file, const Scenario& scenario) {
   if (!std::filesystem::exists(file)) return;
   const Journal journal = read_journal(file);
   const bool finished = std::all_of(journal.views.begin(), journal.views.end(),
                                     [](const JournalledView& view) { return view.complete; });
-  if (finished) return;
-  const std::filesystem::path old = file.string() + ".old";
+  if (finished && !is_real(scenario)) return;
+  std::filesystem::path old = file.string() + ".old";
+  for (int number = 2; std::filesystem::exists(old); ++number)
+    old = fmt::format("{}.old{}", file.string(), number);
   std::filesystem::rename(file, old);
-  spdlog::info("the unfinished scan of an earlier run is kept as {}", old.string());
+  spdlog::info("the scan of an earlier run is kept as {}", old.string());
 }
 
 }  // namespace
@@ -129,26 +145,27 @@ struct Measurement::Session {
   }
 };
 
-Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal,
-                         const std::optional<JournalSpec>& journal)
+Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal)
     : scenario_(scenario),
       plans_(plan_views(scenario, nominal, views_of(scenario, nominal))),
       session_(new Session) {
   session_->backend = make_backend(scenario, nominal);
-  if (!journal) return;
-  const JournalWriter::Durability durability = durability_of(scenario);
-  if (journal->resume && std::filesystem::exists(journal->file)) {
-    session_->before = read_journal(journal->file);
+}
+
+void Measurement::keep_journal(const std::filesystem::path& file, bool resume) {
+  const JournalWriter::Durability durability = durability_of(scenario_);
+  if (resume && std::filesystem::exists(file)) {
+    session_->before = read_journal(file);
     if (session_->before.discarded_bytes > 0)
-      spdlog::warn("{}: the last {} bytes are torn or damaged; what stands before them counts",
-                   journal->file.string(), session_->before.discarded_bytes);
-    session_->journal.emplace(JournalWriter::append(journal->file, session_->before, durability));
+      spdlog::warn("{}: the last {} bytes are torn or damaged; what stands before them counts", file.string(),
+                   session_->before.discarded_bytes);
+    session_->journal.emplace(JournalWriter::append(file, session_->before, durability));
   } else {
-    keep_unfinished(journal->file);
-    session_->journal.emplace(JournalWriter::create(journal->file, durability));
+    keep_earlier_scan(file, scenario_);
+    session_->journal.emplace(JournalWriter::create(file, durability));
   }
-  session_->resume_hint = fmt::format("what was measured is in {}; the same command with --resume goes on",
-                                      journal->file.string());
+  session_->resume_hint =
+      fmt::format("what was measured is in {}; the same command with --resume goes on", file.string());
 }
 
 Measurement::~Measurement() = default;

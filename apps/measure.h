@@ -29,21 +29,18 @@ struct MeasuredView {
   std::optional<MeasuredTruth> truth;  // in simulation
 };
 
-// Where the samples are kept as they are measured (hardware/recorded/journal.h).
-struct JournalSpec {
-  std::filesystem::path file;
-  // Go on with the scan in the file, if there is one: what it holds is not measured again. Otherwise a scan
-  // in the file that is not complete is kept beside it, as <file>.old, and a new journal begins.
-  bool resume = false;
-};
-
 class Measurement {
  public:
-  // Plans every view, so that whatever is wrong with one is known before anything moves. Throws InputError,
-  // also when the journal to be resumed cannot be read.
-  Measurement(const Scenario& scenario, const PartOnMachine& nominal,
-              const std::optional<JournalSpec>& journal = std::nullopt);
+  // Plans every view, so that whatever is wrong with one is known before anything moves or is written. Throws
+  // InputError.
+  Measurement(const Scenario& scenario, const PartOnMachine& nominal);
   ~Measurement();
+
+  // From here on the samples are kept in `file` as they are measured (hardware/recorded/journal.h). `resume`:
+  // go on with the scan in the file, if there is one: what it holds is not measured again. Otherwise a scan
+  // in the file is kept beside it, as <file>.old, .old2 ..., unless it is complete and simulated, and a new
+  // journal begins. Throws InputError, also when the journal to be resumed cannot be read.
+  void keep_journal(const std::filesystem::path& file, bool resume);
 
   const std::vector<ScanPlan>& plans() const { return plans_; }
 

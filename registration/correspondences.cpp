@@ -21,17 +21,20 @@ constexpr double kDirectionDistance_mm = 1e-6;
 
 std::vector<bool> selected_surfaces(const Part& part, const std::vector<std::uint32_t>& ids) {
   if (ids.empty()) return {};
+  require_surfaces(part, ids);
   std::vector<bool> selected(part.surfaces.size(), false);
-  for (const std::uint32_t id : ids) {
-    if (id >= selected.size())
-      throw InputError(
-          fmt::format("surfaces names {}, but the part's surfaces are 0 to {}", id, selected.size() - 1));
-    selected[id] = true;
-  }
+  for (const std::uint32_t id : ids) selected[id] = true;
   return selected;
 }
 
 }  // namespace
+
+void require_surfaces(const Part& part, const std::vector<std::uint32_t>& ids) {
+  for (const std::uint32_t id : ids)
+    if (id >= part.surfaces.size())
+      throw InputError(fmt::format("surfaces names {}, but the part's surfaces are 0 to {}", id,
+                                   part.surfaces.size() - 1));
+}
 
 Vec6 StepFrame::scaled(const Vec6& step) const {
   Vec6 result = step;

@@ -18,6 +18,9 @@
 
 namespace trueblade {
 
+// Throws InputError naming the valid ids when a surface does not exist.
+void require_surfaces(const Part& part, const std::vector<std::uint32_t>& ids);
+
 // About what a step turns and how its rotation is scaled.
 struct StepFrame {
   Vec3 pivot_part_mm = Vec3::Zero();

@@ -146,6 +146,7 @@ DeformedModel deform_model(const FacetModel& nominal, const DisplacementField& f
       soup.nodes_mm[node] =
           refined.nodes_mm[node] + field.displacement_mm(refined.nodes_mm[node], normals[node]);
   });
+  const bool displaced = soup.nodes_mm != refined.nodes_mm;
   soup.facets = std::move(refined.facets);
   soup.surface_of_facet.reserve(soup.facets.size());
   for (const std::uint32_t facet : refined.nominal_facet)
@@ -153,6 +154,7 @@ DeformedModel deform_model(const FacetModel& nominal, const DisplacementField& f
 
   FacetModelBuild build = build_facet_model(soup, 0.0);
   DeformedModel deformed;
+  deformed.displaced = displaced;
   deformed.model = std::move(build.model);
   deformed.nominal_facet.reserve(build.soup_facet.size());
   for (const std::uint32_t facet : build.soup_facet)

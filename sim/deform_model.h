@@ -10,6 +10,7 @@ namespace trueblade {
 struct DeformedModel {
   FacetModel model;
   std::vector<std::uint32_t> nominal_facet;  // of each facet, the facet of the nominal model it was cut from
+  bool displaced = false;                    // any node at all
 };
 
 // Long edges are halved, facet by facet conforming to its neighbours, until every edge obeys

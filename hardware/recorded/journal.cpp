@@ -157,6 +157,16 @@ JournalWriter JournalWriter::create(const std::filesystem::path& file, Durabilit
                        fmt::format("{}: the journal cannot be written: {}", file.string(), system_reason()));
   writer.bytes_ = kFirstLine.size();
   writer.force_to_disk();
+  // The file's name is in its folder, which is on disk only when that is forced, too.
+  const std::filesystem::path parent = std::filesystem::absolute(file).parent_path();
+  const int folder = ::open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  // Some network file systems keep folders by themselves, and say EINVAL.
+  const bool is_kept = folder >= 0 && (::fsync(folder) == 0 || errno == EINVAL);
+  const std::string reason = is_kept ? "" : system_reason();
+  if (folder >= 0) ::close(folder);
+  if (!is_kept)
+    throw MachineFault(MachineFault::Kind::storage,
+                       fmt::format("{}: the journal cannot be forced to disk: {}", file.string(), reason));
   return writer;
 }
 

@@ -130,6 +130,8 @@ void write_inputs(const ScratchFolder& folder) {
       scenario("{file: cube.obj, unit: cm}", "machine: {simulation: {errors: {fixture_y: {mean_mm: 5}}}}\n"));
   folder.write("too_few_points.yaml",
                "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], spacing_mm: 11}\n");
+  folder.write("registered_on_nothing.yaml",
+               scenario("{file: cube.obj, unit: cm}", "registration: {surfaces: [1000]}\n"));
   folder.write("no_expect.yaml", scenario("{file: cube.obj, unit: cm}"));
   folder.write("misspelt_parameters.yaml", "span_mm: 60\nspam_mm: 60\n");
   folder.write("impossible_parameters.yaml", "span_mm: 60\nfillet_radius_mm: 400\n");
@@ -160,6 +162,7 @@ TEST_P(BadInputTest, EndsWithExitCode2AndAMessage) {
   for (const std::string& words : GetParam().message)
     EXPECT_NE(result.err.find(words), std::string::npos) << "missing: " << words << "\nin: " << result.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "out/result.json"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/resolved.yaml"));
   // No temporary file is left beside a result.
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path()))
     EXPECT_EQ(entry.path().string().find("tmp."), std::string::npos) << entry.path();
@@ -337,6 +340,10 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"aliases", inspect("bomb.yaml"), {"bomb.yaml:1", "aliases"}},
         BadInput{"a raster of 1e14 cells", inspect("too_fine.yaml"), {"spacing_mm", "cells"}},
         BadInput{"unknown surface", inspect("no_such_surface.yaml"), {"surface 3"}},
+        BadInput{
+            "unknown surface of the registration", inspect("registered_on_nothing.yaml"), {"1000", "0 to 0"}},
+        BadInput{"seed below 0", {"inspect", "cube.yaml", "--seed", "-4"}, {"--seed", "-4", "whole number"}},
+        BadInput{"scan that is no PLY", {"scan", "cube.yaml", "--out", "out.xyz"}, {"out.xyz", ".ply"}},
         BadInput{"beyond the travel", inspect("out_of_travel.yaml"), {"front", "z"}},
         BadInput{"beyond the travel in a later view",
                  inspect("out_of_travel_later.yaml"),

@@ -66,6 +66,10 @@ TEST(Journal, AnUnfinishedScanIsKeptWhenANewOneBegins) {
   ASSERT_EQ(run_trueblade({"scan", "cube.yaml", "--out", "scan.ply"}, folder.path()).exit_code, 0);
   EXPECT_EQ(std::filesystem::file_size(folder / "scan.journal.old"), 5000u);
   EXPECT_TRUE(read_journal(folder / "scan.journal").views.back().complete);
+  tear(folder / "scan.journal", 4000);
+  ASSERT_EQ(run_trueblade({"scan", "cube.yaml", "--out", "scan.ply"}, folder.path()).exit_code, 0);
+  EXPECT_EQ(std::filesystem::file_size(folder / "scan.journal.old"), 5000u);
+  EXPECT_EQ(std::filesystem::file_size(folder / "scan.journal.old2"), 4000u);
 }
 
 TEST(Replay, GivesTheSameReport) {

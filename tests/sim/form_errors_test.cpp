@@ -125,6 +125,17 @@ TEST(DeformModel, ADentOnACoarsePlateIsFollowedByRefinedFacets) {
   EXPECT_NEAR(deformed.model.lower_corner_mm().y(), -0.2, 0.005);
 }
 
+TEST(DeformModel, SaysWhetherAnythingMoves) {
+  const Part part = testing::plate(0.0, 40.0, 1);
+  const auto displaced = [&](double beside_mm, double height_mm) {
+    const SurfacePatch patch{{0.0, beside_mm, 0.0}, Vec3::UnitY(), 6.0, height_mm};
+    return deform_model(part.model, DisplacementField({patch}, 1, 0)).displaced;
+  };
+  EXPECT_TRUE(displaced(0.0, 0.1));
+  EXPECT_FALSE(displaced(7.0, 0.1));  // its sphere ends before the plate
+  EXPECT_FALSE(displaced(0.0, 0.0));
+}
+
 TEST(DeformModel, RefinementOpensNoCracks) {
   const Part part = testing::sphere(20.0, 12);
   ASSERT_TRUE(part.report.closed);
