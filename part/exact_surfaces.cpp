@@ -38,7 +38,8 @@ constexpr double kArrivedMm = 1e-9;
 constexpr double kLastStepMm = 1e-5;
 // Such a step is made by Taylor's series to the second order instead of evaluating the surface, where the
 // second order is this much smaller than the first: the third is then as much smaller again, 1e-11 mm or
-// less. Only beside a pole, where a short step may be a long way in a parameter, it is not.
+// less. Only beside a pole, where a short step may be a long way in a parameter, it is not. Over a kink of
+// the surface within the step the point is off by less than the step.
 constexpr double kLastStepBend = 1e-3;
 // From a facet's parameters Newton needs two to five steps; what needs this many does not converge.
 constexpr int kMostIterations = 30;
