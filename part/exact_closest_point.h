@@ -19,7 +19,8 @@ struct ExactClosestPoint {
 // facets' parameters. A foot point counts when its distance agrees with that to the facets, which is wrong by
 // at most the chord tolerance: what differs more is the foot on another part of a surface or on its
 // continuation beyond an edge. The nearest foot point inside its face wins; if there is none, the one within
-// the trimming margin that agrees best with the facets.
+// the trimming margin that agrees best with the facets. A neighbour whose facets are farther away than a foot
+// point inside its face by more than they may be wrong is not tried.
 //
 // nullopt when no projection converges to a foot point on a face: the closest point is on an edge or a
 // corner, or the part has no exact surfaces. The caller then keeps the facet's answer.

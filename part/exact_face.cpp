@@ -133,10 +133,12 @@ Vec3 ExactFace::normal(const SurfaceDerivatives& s, const Vec2& uv) const {
 
 Vec2 ExactFace::within_bounds(Vec2 uv) const {
   for (int k = 0; k < 2; ++k) {
-    if (period_[k] > 0.0)
-      uv[k] -= period_[k] * std::floor((uv[k] - turn_begin_[k]) / period_[k]);
-    else
+    if (period_[k] == 0.0) {
       uv[k] = std::clamp(uv[k], lower_[k], upper_[k]);
+      continue;
+    }
+    const double turns = (uv[k] - turn_begin_[k]) / period_[k];
+    if (!(turns >= 0.0 && turns < 1.0)) uv[k] -= period_[k] * std::floor(turns);
   }
   return uv;
 }

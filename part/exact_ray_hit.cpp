@@ -61,11 +61,10 @@ std::optional<ExactRayHit> refine_to_exact(const Part& part, const Ray& ray, std
                                            double facet_range_mm) {
   if (!part.exact) return std::nullopt;
   FirstHit first(part, ray, facet, facet_range_mm);
-  visit_surfaces_around(part, facet, [&](std::uint32_t of_surface) {
-    first.try_surface_of(of_surface);
-    // Its own surface met within its face: no neighbour stands before it.
-    return of_surface != facet || !first.is_inside();
-  });
+  first.try_surface_of(facet);
+  // Its own surface met within its face: no neighbour stands before it.
+  if (first.is_inside()) return first.result();
+  for (const SurfaceAround& around : part.surfaces_around->of(facet)) first.try_surface_of(around.facet);
   return first.result();
 }
 

@@ -34,8 +34,13 @@ namespace {
 constexpr double kArrivedMm = 1e-9;
 // A projection has arrived when its last step was this short: Newton's method converges quadratically, so
 // that the foot point is then off by about step^2 / radius along the surface, 1e-9 mm at a radius of 0.1 mm,
-// and its distance by the square of that.
+// and its distance by the square of that over twice the radius.
 constexpr double kLastStepMm = 1e-5;
+// Such a step is made by Taylor's series to the second order instead of evaluating the surface, where the
+// second order is this much smaller than the first: the third is then as much smaller again, 1e-11 mm or
+// less. Only beside a pole, where a short step may be a long way in a parameter, it is not. Over a kink of
+// the surface within the step the point is off by less than the step.
+constexpr double kLastStepBend = 1e-3;
 // From a facet's parameters Newton needs two to five steps; what needs this many does not converge.
 constexpr int kMostIterations = 30;
 
@@ -67,6 +72,29 @@ Vec2 projection_step(const SurfaceDerivatives& s, const Vec3& from_query, const 
   return euu > evv ? Vec2(-gu / euu, 0.0) : Vec2(0.0, step_along(gv, hvv, evv));
 }
 
+// Motion of the point by the first and by the second order terms of Taylor's series.
+Vec3 straight_part(const SurfaceDerivatives& s, const Vec2& step) {
+  return step.x() * s.du + step.y() * s.dv;
+}
+Vec3 bent_part(const SurfaceDerivatives& s, const Vec2& step) {
+  return step.x() * (0.5 * step.x() * s.duu + step.y() * s.duv) + 0.5 * step.y() * step.y() * s.dvv;
+}
+
+bool is_last_step(const SurfaceDerivatives& s, const Vec2& step) {
+  const double straight = straight_part(s, step).squaredNorm();
+  return straight <= kLastStepMm * kLastStepMm &&
+         bent_part(s, step).squaredNorm() <= kLastStepBend * kLastStepBend * straight;
+}
+
+// The point and what its normal needs, after the last step.
+SurfaceDerivatives continued(const SurfaceDerivatives& s, const Vec2& step) {
+  SurfaceDerivatives next = s;
+  next.point += straight_part(s, step) + bent_part(s, step);
+  next.du += step.x() * s.duu + step.y() * s.duv;
+  next.dv += step.x() * s.duv + step.y() * s.dvv;
+  return next;
+}
+
 }  // namespace
 
 ExactSurfaces::Projection ExactSurfaces::project(std::uint32_t surface, const Vec3& query_mm,
@@ -80,6 +108,13 @@ ExactSurfaces::Projection ExactSurfaces::project(std::uint32_t surface, const Ve
   while (!arrived && iteration < kMostIterations) {
     ++iteration;
     Vec2 step = projection_step(s, s.point - query_mm, face.bound_at(uv));
+    if (is_last_step(s, step) && face.within_bounds(uv + step) == uv + step) {
+      uv += step;
+      s = continued(s, step);
+      squared = (s.point - query_mm).squaredNorm();
+      arrived = true;
+      break;
+    }
     // The step is halved while it leads away from the query. Near the end rounding alone decides, so a step
     // that is short enough is taken as it is.
     Vec2 next_uv;

@@ -16,16 +16,20 @@
 
 namespace trueblade {
 
+class SurfacesAround;
+
 struct Part {
   std::string name;
   FacetModel model;
   FacetModelReport report;
   std::vector<PartSurface> surfaces;
 
-  // Present when the part came from STEP or IGES: the surfaces themselves, and for every facet the surface
-  // parameters (u, v) of its three corners, from which a projection onto the exact surface starts.
+  // Present when the part came from STEP or IGES: the surfaces themselves, for every facet the surface
+  // parameters (u, v) of its three corners, from which a projection onto the exact surface starts, and what
+  // other surfaces a projection from there may have to try.
   std::shared_ptr<const ExactSurfaces> exact;
   std::vector<std::array<Vec2, 3>> facet_parameters;
+  std::shared_ptr<const SurfacesAround> surfaces_around;
   double chord_tolerance_mm = 0.0;  // that the facets keep; 0 when there are no exact surfaces
 };
 

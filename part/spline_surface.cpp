@@ -16,15 +16,41 @@ struct Basis {
   std::array<std::array<double, kMostBasis>, 3> derivative;  // [order][pole - first_pole]
 };
 
+// The knots around a span, and the inverse differences that each degree divides by, those of degree 1 first:
+// 1 / (knots[span + r + 1] - knots[span + 1 - degree + r]), r = 0 ... degree - 1. Kept because a division
+// takes several times as long as all that is done with its result. They are infinite in spans without length,
+// which hold no parameter.
+struct Span {
+  const double* knot;
+  const double* inverse;
+  const double* inverse_of(std::size_t degree) const { return inverse + degree * (degree - 1) / 2; }
+};
+
+constexpr std::size_t inverses_per_span(std::size_t degree) {
+  return degree * (degree + 1) / 2;
+}
+
+std::vector<double> inverse_differences(const SplineSurface::Direction& direction) {
+  const auto degree = static_cast<std::size_t>(direction.degree);
+  std::vector<double> inverse;
+  inverse.reserve((direction.poles() - degree) * inverses_per_span(degree));
+  for (std::size_t span = degree; span < direction.poles(); ++span)
+    for (std::size_t k = 1; k <= degree; ++k)
+      for (std::size_t r = 0; r < k; ++r)
+        inverse.push_back(1.0 / (direction.knots[span + r + 1] - direction.knots[span + 1 - k + r]));
+  return inverse;
+}
+
 // Raises the basis from degree - 1 to `degree` in place (Cox and de Boor; Piegl and Tiller, A2.2).
-void raise_degree(std::array<double, kMostBasis>& basis, std::size_t degree, std::size_t span,
-                  const std::vector<double>& knots, double t) {
+void raise_degree(std::array<double, kMostBasis>& basis, std::size_t degree, const Span& span, double t) {
+  const double* const right = span.knot + 1;
+  const double* const left = right - degree;
+  const double* const inverse = span.inverse_of(degree);
   double carried = 0.0;
   for (std::size_t r = 0; r < degree; ++r) {
-    const double right = knots[span + r + 1], left = knots[span + 1 - degree + r];
-    const double share = basis[r] / (right - left);
-    basis[r] = carried + (right - t) * share;
-    carried = (t - left) * share;
+    const double share = basis[r] * inverse[r];
+    basis[r] = carried + (right[r] - t) * share;
+    carried = (t - left[r]) * share;
   }
   basis[degree] = carried;
 }
@@ -32,49 +58,55 @@ void raise_degree(std::array<double, kMostBasis>& basis, std::size_t degree, std
 // The derivative of a basis of `degree` from the same derivative, one order lower, of the basis of degree - 1
 // (Piegl and Tiller, eq. 2.7).
 void differentiate(const std::array<double, kMostBasis>& lower, std::array<double, kMostBasis>& derivative,
-                   std::size_t degree, std::size_t span, const std::vector<double>& knots) {
+                   std::size_t degree, const Span& span) {
+  const double* const inverse = span.inverse_of(degree);
   double carried = 0.0;
   for (std::size_t r = 0; r < degree; ++r) {
-    const double share =
-        static_cast<double>(degree) * lower[r] / (knots[span + r + 1] - knots[span + 1 - degree + r]);
+    const double share = static_cast<double>(degree) * lower[r] * inverse[r];
     derivative[r] = carried - share;
     carried = share;
   }
   derivative[degree] = carried;
 }
 
-void compute_basis(const SplineSurface::Direction& direction, double t, Basis& basis) {
+void compute_basis(const SplineSurface::Direction& direction, const std::vector<double>& inverse, double t,
+                   Basis& basis) {
   const auto degree = static_cast<std::size_t>(direction.degree);
   const std::vector<double>& knots = direction.knots;
   // The span [knots[span], knots[span + 1]) that holds t, the last one for t at the end.
   const auto begin = knots.begin() + static_cast<std::ptrdiff_t>(degree + 1);
   const auto end = knots.begin() + static_cast<std::ptrdiff_t>(direction.poles());
-  const std::size_t span = static_cast<std::size_t>(std::upper_bound(begin, end, t) - knots.begin()) - 1;
-  basis.first_pole = span - degree;
+  const std::size_t number = static_cast<std::size_t>(std::upper_bound(begin, end, t) - knots.begin()) - 1;
+  basis.first_pole = number - degree;
+  const Span span{&knots[number], &inverse[basis.first_pole * inverses_per_span(degree)]};
 
   auto& [value, first, second] = basis.derivative;
   value[0] = 1.0;
-  for (std::size_t k = 1; k + 1 < degree; ++k) raise_degree(value, k, span, knots, t);
+  for (std::size_t k = 1; k + 1 < degree; ++k) raise_degree(value, k, span, t);
   // `value` has degree - 2 (or 0). The derivatives are built on the way up.
   if (degree == 1) {
-    differentiate(value, first, 1, span, knots);
+    differentiate(value, first, 1, span);
     std::fill_n(second.begin(), 2, 0.0);
-    raise_degree(value, 1, span, knots, t);
+    raise_degree(value, 1, span, t);
     return;
   }
   std::array<double, kMostBasis> first_of_lower;  // first derivative at degree - 1
-  differentiate(value, first_of_lower, degree - 1, span, knots);
-  differentiate(first_of_lower, second, degree, span, knots);
-  raise_degree(value, degree - 1, span, knots, t);
-  differentiate(value, first, degree, span, knots);
-  raise_degree(value, degree, span, knots, t);
+  differentiate(value, first_of_lower, degree - 1, span);
+  differentiate(first_of_lower, second, degree, span);
+  raise_degree(value, degree - 1, span, t);
+  differentiate(value, first, degree, span);
+  raise_degree(value, degree, span, t);
 }
 
 }  // namespace
 
 SplineSurface::SplineSurface(Direction u, Direction v, std::span<const Vec3> poles,
                              std::span<const double> weights)
-    : u_(std::move(u)), v_(std::move(v)), rational_(!weights.empty()) {
+    : u_(std::move(u)),
+      v_(std::move(v)),
+      inverse_u_(inverse_differences(u_)),
+      inverse_v_(inverse_differences(v_)),
+      rational_(!weights.empty()) {
   poles_.reserve(poles.size());
   for (std::size_t i = 0; i < poles.size(); ++i) {
     const double w = rational_ ? weights[i] : 1.0;
@@ -84,8 +116,8 @@ SplineSurface::SplineSurface(Direction u, Direction v, std::span<const Vec3> pol
 
 SurfaceDerivatives SplineSurface::at(const Vec2& uv) const {
   Basis bu, bv;
-  compute_basis(u_, uv.x(), bu);
-  compute_basis(v_, uv.y(), bv);
+  compute_basis(u_, inverse_u_, uv.x(), bu);
+  compute_basis(v_, inverse_v_, uv.y(), bv);
 
   // The sums over v are taken once for every row of poles.
   Vec4 s = Vec4::Zero(), su = s, sv = s, suu = s, suv = s, svv = s;

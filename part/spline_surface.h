@@ -1,6 +1,5 @@
 // Evaluation of B-spline and NURBS surfaces (Piegl and Tiller 1997, chapters 2 to 4). Ours because
-// OpenCASCADE's own takes five times as long without a cache, and its cache is bound to one thread
-// (bench/exact_projection).
+// OpenCASCADE's own takes five times as long without a cache, and its cache is bound to one thread.
 #pragma once
 
 #include <span>
@@ -34,6 +33,7 @@ class SplineSurface {
 
  private:
   Direction u_, v_;
+  std::vector<double> inverse_u_, inverse_v_;  // of differences of knots, span after span
   bool rational_;
   // (w x, w y, w z, w) of every pole; w = 1 for a polynomial surface.
   using Vec4 = Eigen::Vector4d;

@@ -1,31 +1,39 @@
-// The CAD surfaces that meet at a facet and around its corners.
+// The CAD surfaces that meet a facet at its corners, beside its own. Part frame, mm.
 #pragma once
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
+#include <span>
+#include <vector>
 
-#include "part/part.h"
+#include "geometry/facet_model.h"
 
 namespace trueblade {
 
-// Calls visit(facet) with one facet of each surface, the given facet first, until it returns false. Inside a
-// surface all the facets around are on it, and there is one call.
-template <class Visit>
-void visit_surfaces_around(const Part& part, std::uint32_t facet, const Visit& visit) {
-  std::array<std::uint32_t, 16> visited;  // more surfaces than this do not meet at one facet's corners
-  auto end = visited.begin();
-  const auto goes_on = [&](std::uint32_t of_surface) {
-    const std::uint32_t surface = part.model.surface_of(of_surface);
-    if (end == visited.end() || std::find(visited.begin(), end, surface) != end) return true;
-    *end++ = surface;
-    return visit(of_surface);
-  };
-  if (!goes_on(facet)) return;
-  const FacetMesh& mesh = part.model.mesh();
-  for (const std::uint32_t node : part.model.facet_nodes(facet))
-    for (const auto face : mesh.vf_range(FacetMesh::VertexHandle(static_cast<int>(node))))
-      if (!goes_on(static_cast<std::uint32_t>(face.idx()))) return;
-}
+struct SurfaceAround {
+  std::uint32_t facet;  // one of the surface's facets at the corners
+  // A plane that all of them lie on or behind, as far from the middle of the facet in question as one through
+  // its edges or corners can be.
+  Vec3 normal;  // unit, to the side where none of them is
+  double offset_mm;
+
+  // No point of them is nearer than this; nothing is said where it is negative.
+  double least_distance_mm(const Vec3& point_mm) const { return normal.dot(point_mm) - offset_mm; }
+};
+
+// Found once for a model, because few facets have any: inside a surface all the facets around are on it.
+// Immutable; const calls may run from any number of threads.
+class SurfacesAround {
+ public:
+  explicit SurfacesAround(const FacetModel& model);
+
+  // Each surface once.
+  std::span<const SurfaceAround> of(std::uint32_t facet) const {
+    return std::span(surfaces_).subspan(begin_[facet], begin_[facet + 1] - begin_[facet]);
+  }
+
+ private:
+  std::vector<SurfaceAround> surfaces_;  // around one facet after the other
+  std::vector<std::size_t> begin_;       // of each facet in the list, and the list's end
+};
 
 }  // namespace trueblade

@@ -21,9 +21,9 @@ namespace {
 constexpr std::size_t kFirstSample = 500;
 
 // Rounding of a distance: a handful of operations on the largest coordinate in play, 64 ulps of it.
-double rounding_floor_mm(const FacetModel& model, const ScanExtent& extent,
+double rounding_floor_mm(const RegistrationTarget& target, const ScanExtent& extent,
                          const RigidTransform& part_from_mcs) {
-  const double largest = std::max({model.lower_corner_mm().norm(), model.upper_corner_mm().norm(),
+  const double largest = std::max({target.lower_corner_mm().norm(), target.upper_corner_mm().norm(),
                                    (part_from_mcs * extent.centroid_mcs_mm).norm() + extent.maximum_radius_mm,
                                    extent.centroid_mcs_mm.norm() + extent.maximum_radius_mm});
   return 64.0 * std::numeric_limits<double>::epsilon() * largest;
@@ -31,9 +31,10 @@ double rounding_floor_mm(const FacetModel& model, const ScanExtent& extent,
 
 // Ten times the sizes of part and scan together is no placement by any machine set-up: the unit or the
 // initial pose is wrong, and every point would see the part from the same side.
-void check_near(const FacetModel& model, const ScanExtent& extent, const RigidTransform& part_from_mcs) {
+void check_near(const RegistrationTarget& target, const ScanExtent& extent,
+                const RigidTransform& part_from_mcs) {
   if (!is_finite(part_from_mcs)) throw InputError("the initial pose holds a number that is not finite");
-  const Vec3 low = model.lower_corner_mm(), high = model.upper_corner_mm();
+  const Vec3 &low = target.lower_corner_mm(), &high = target.upper_corner_mm();
   const Vec3 centroid = part_from_mcs * extent.centroid_mcs_mm;
   const double gap = (centroid - centroid.cwiseMax(low).cwiseMin(high)).norm();
   const double size = (high - low).norm() + 2.0 * extent.maximum_radius_mm;
@@ -120,8 +121,8 @@ CrossCheck cross_check_of(const RegistrationProblem& problem, const WorkingScan&
                                    state.fit.equations.hessian});
 }
 
-// Subsamples near the minimum first, each at most half of what follows it; the facets before the CAD
-// surfaces; then all points on the best surface there is.
+// Near the minimum on the facets first, by subsamples, each at most half of what follows it, or without them
+// by all points; then all points on the best surface there is.
 Termination register_from(const RegistrationProblem& problem, const WorkingScan& scan,
                           RegistrationState& state) {
   const auto sample = static_cast<std::size_t>(problem.options.sampling.points);
@@ -131,7 +132,7 @@ Termination register_from(const RegistrationProblem& problem, const WorkingScan&
     approach(problem, scan.size() >= 2 * kFirstSample ? even_subsample(scan, kFirstSample) : scan, state);
   if (sampled)
     iterate(problem, even_subsample(scan, sample), IterationGoal::near_the_minimum, false, state);
-  else if (exact)
+  else if (exact && sample == 0)
     iterate(problem, scan, IterationGoal::near_the_minimum, false, state);
   return iterate(problem, scan, IterationGoal::termination, exact, state).value();
 }
@@ -145,9 +146,9 @@ RegistrationResult register_scan(const RegistrationTarget& target, const ScanPoi
   const WorkingScan all = prepare_scan(scan, options.weights);
   const ScanExtent extent = extent_of(all);
   check_not_collinear(extent);
-  check_near(target.model(), extent, initial_part_from_mcs);
+  check_near(target, extent, initial_part_from_mcs);
   RegistrationProblem problem{target, options, LockedMotion(options.lock, initial_part_from_mcs), extent,
-                              rounding_floor_mm(target.model(), extent, initial_part_from_mcs)};
+                              rounding_floor_mm(target, extent, initial_part_from_mcs)};
   while (true) {
     RegistrationState state;
     state.part_from_mcs = initial_part_from_mcs;

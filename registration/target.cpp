@@ -24,9 +24,14 @@ class Lazy {
 }  // namespace
 
 struct RegistrationTarget::Impl {
-  explicit Impl(const Part& nominal) : part(nominal), tree(nominal.model) {}
+  explicit Impl(const Part& nominal)
+      : part(nominal),
+        lower_corner_mm(nominal.model.lower_corner_mm()),
+        upper_corner_mm(nominal.model.upper_corner_mm()),
+        tree(nominal.model) {}
 
   const Part& part;
+  Vec3 lower_corner_mm, upper_corner_mm;
   ClosestPointTree tree;
   Lazy<PseudoNormals> pseudo_normals;
   Lazy<NodeTree> box_decomposition_tree, kd_tree;
@@ -40,6 +45,12 @@ RegistrationTarget& RegistrationTarget::operator=(RegistrationTarget&&) noexcept
 
 const Part& RegistrationTarget::part() const {
   return impl_->part;
+}
+const Vec3& RegistrationTarget::lower_corner_mm() const {
+  return impl_->lower_corner_mm;
+}
+const Vec3& RegistrationTarget::upper_corner_mm() const {
+  return impl_->upper_corner_mm;
 }
 const ClosestPointTree& RegistrationTarget::tree() const {
   return impl_->tree;

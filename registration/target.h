@@ -24,6 +24,8 @@ class RegistrationTarget {
 
   const Part& part() const;
   const FacetModel& model() const { return part().model; }
+  const Vec3& lower_corner_mm() const;  // of the model
+  const Vec3& upper_corner_mm() const;
   const ClosestPointTree& tree() const;
   const PseudoNormals& pseudo_normals() const;
   const NodeTree& node_tree(NodeStructure structure) const;
