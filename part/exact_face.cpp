@@ -152,7 +152,8 @@ std::array<int, 2> ExactFace::bound_at(const Vec2& uv) const {
 }
 
 TrimSide ExactFace::side_of(const SurfaceDerivatives& s, const Vec2& uv) const {
-  if (region_.contains(uv) || is_near_region(s, uv, border_precision_mm_)) return TrimSide::inside;
+  if (region_.contains(uv)) return TrimSide::inside;
+  if (is_near_region(s, uv, border_precision_mm_)) return TrimSide::border;
   return is_near_region(s, uv, kTrimMarginMm) ? TrimSide::margin : TrimSide::outside;
 }
 

@@ -27,7 +27,7 @@ class FirstHit {
     const double along_mm = std::abs(meeting.range_mm - facet_range_mm_);
     const double agreement_mm = part_.chord_tolerance_mm + kTrimMarginMm;
     if (!meeting.converged || !faces_as_facet(meeting) || along_mm * std::abs(facing_) > agreement_mm) return;
-    const bool inside = meeting.side == TrimSide::inside;
+    const bool inside = is_on_face(meeting.side);
     const auto merit = std::make_pair(!inside, inside ? meeting.range_mm : along_mm);
     if (best_ && !(merit < best_merit_)) return;
     best_merit_ = merit;

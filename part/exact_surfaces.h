@@ -16,9 +16,13 @@ struct SurfacePoint {
 };
 
 // Where a foot point lies with respect to the trimming curves of its face. They are known as polygons, exact
-// to 1/64 of the chord tolerance, and `inside` reaches that far beyond them. `margin`: outside, but within
-// kTrimMarginMm of the border, where the untrimmed surface still tells the shape of the part.
-enum class TrimSide : std::uint8_t { inside, margin, outside };
+// to 1/64 of the chord tolerance: `border` is outside of them by no more than that. `margin`: farther
+// outside, but within kTrimMarginMm of the border, where the untrimmed surface still tells the shape of the
+// part.
+enum class TrimSide : std::uint8_t { inside, border, margin, outside };
+inline bool is_on_face(TrimSide side) {
+  return side <= TrimSide::border;
+}
 inline constexpr double kTrimMarginMm = 0.01;
 
 class ExactSurfaces {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 
@@ -83,6 +84,60 @@ TEST(ExactClosestPoint, OfTheTorusIsThatOfTheClosedForm) {
   const Part part = read_shape(TestShape::torus);
   expect_distances(part, points_beside(part.model, 5000, 0.05), kRounding_mm,
                    [](const Vec3& p) { return std::hypot(p.head<2>().norm() - 10.0, p.z()) - 3.0; });
+}
+
+// All around the box, as far as its facets may be wrong and beyond, outside and inside: faces, edges and
+// corners.
+TEST(ExactClosestPoint, OfTheBoxIsThatOfTheClosedForm) {
+  const Part part = read_shape(TestShape::box);
+  const ClosestPointTree tree(part.model);
+  const Vec3 half(5.0, 10.0, 15.0);
+  Rng random(6, 0, "around a box");
+  std::array<int, 4> beyond_how_many_faces{};
+  for (int k = 0; k < 20000; ++k) {
+    const double away_mm = std::pow(10.0, -4.0 + 4.0 * random.uniform());
+    Vec3 p;  // from the middle of the box
+    for (int axis = 0; axis < 3; ++axis) {
+      const double at_border_mm = half[axis] + away_mm * (2.0 * random.uniform() - 1.0);
+      p[axis] = (random.uniform() < 0.5 ? -1.0 : 1.0) *
+                (k % 3 == axis ? half[axis] * random.uniform() : at_border_mm);
+      if (k % 7 == 0) p[axis] = std::copysign(at_border_mm, p[axis]);  // near a corner
+    }
+    const Vec3 beyond = p.cwiseAbs() - half;
+    const double expected_mm = beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0);
+    ++beyond_how_many_faces[static_cast<std::size_t>((beyond.array() > 0.0).count())];
+    const Vec3 query = p + half;
+    const ClosestPoint on_facets = tree.query(query);
+    const auto exact = refine_to_exact(part, on_facets, query);
+    // Plane facets are exact: at a corner their answer stands.
+    const double found_mm = exact ? exact->distance_mm : on_facets.distance_mm;
+    // At a corner faces and edges count up to t = 1/64 of the chord tolerance beyond their ends. Where all
+    // three faces do, the answers lie between -t and sqrt(3) t.
+    const double t_mm = part.chord_tolerance_mm / 64.0;
+    const double tolerance_mm = beyond.minCoeff() > -t_mm ? 2.74 * t_mm : 1e-9;
+    ASSERT_NEAR(found_mm, expected_mm, tolerance_mm) << p.transpose();
+    if (!exact) continue;
+    ASSERT_LT((exact->foot.point_mm + exact->distance_mm * exact->foot.normal - query).norm(), 1e-6);
+  }
+  for (const int count : beyond_how_many_faces) EXPECT_GT(count, 300);
+}
+
+// The upper rim of the cylinder, radius 5 at z = 12, from beyond both of its faces.
+TEST(ExactClosestPoint, OfTheRimIsThatOfTheClosedForm) {
+  const Part part = read_shape(TestShape::cylinder);
+  const ClosestPointTree tree(part.model);
+  Rng random(7, 0, "beyond a rim");
+  for (int k = 0; k < 5000; ++k) {
+    const double angle = 6.283185307179586 * random.uniform();
+    const double outward_mm = std::pow(10.0, -3.0 + 2.0 * random.uniform());
+    const double upward_mm = std::pow(10.0, -3.0 + 2.0 * random.uniform());
+    const Vec3 query((5.0 + outward_mm) * std::cos(angle), (5.0 + outward_mm) * std::sin(angle),
+                     12.0 + upward_mm);
+    const auto exact = refine_to_exact(part, tree.query(query), query);
+    ASSERT_TRUE(exact) << query.transpose();
+    ASSERT_NEAR(exact->distance_mm, std::hypot(outward_mm, upward_mm), 1e-9) << query.transpose();
+    ASSERT_LT((exact->foot.point_mm - Vec3(5.0 * std::cos(angle), 5.0 * std::sin(angle), 12.0)).norm(), 1e-8);
+  }
 }
 
 // Wherever the last step begins, and however near the pole, where it is none that a series could make.
