@@ -21,6 +21,8 @@ using Column = std::vector<std::pair<std::uint64_t, double>>;  // trial, value
 
 constexpr std::size_t kHistogramBins = 40;
 constexpr std::size_t kScatterPoints = 1000;
+constexpr const char* kSizes[] = {".rotation_error_rad", ".translation_error_mm", ".deviation_error_rms_mm",
+                                  ".normalised_error_squared"};
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -67,9 +69,12 @@ Json histogram(const std::vector<double>& values) {
   return {{"from", *low}, {"to", *high}, {"counts", h.counts}};
 }
 
-bool is_error(const Quantity& quantity) {
-  return quantity.name.find("error_") != std::string::npos &&
-         quantity.name.find("normalised") == std::string::npos;
+// Registered or measured minus true, with its sign: its mean is a bias. The mean of a size, such as the angle
+// between two poses, is above zero however good the measurement.
+bool is_signed_error(const Quantity& quantity) {
+  if (quantity.name.find("error_") == std::string::npos) return false;
+  return std::none_of(std::begin(kSizes), std::end(kSizes),
+                      [&](const char* size) { return quantity.name.ends_with(size); });
 }
 
 Json statement(const Quantity& quantity, const Column& column, double probability) {
@@ -81,7 +86,7 @@ Json statement(const Quantity& quantity, const Column& column, double probabilit
   json["standard_uncertainty"] = s.standard_uncertainty;
   json["standard_error_of_mean"] = s.standard_uncertainty / std::sqrt(static_cast<double>(s.trials));
   json["standard_error_of_uncertainty"] = uncertainty_error(values, s);
-  if (is_error(quantity)) json["bias"] = s.mean;  // the truth is zero
+  if (is_signed_error(quantity)) json["bias"] = s.mean;  // the truth is zero
   json["symmetric_interval"] = interval(s.symmetric);
   json["shortest_interval"] = interval(s.shortest);
   json["histogram"] = histogram(values);
@@ -104,6 +109,12 @@ Json failures(const TrialStore& store, std::uint32_t case_number, const TrialRan
     list.push_back(
         {{"reason", failure.failure}, {"count", failure.count}, {"first_trial", failure.first_trial}});
   return list;
+}
+
+Json settings(const std::vector<FieldValue>& set) {
+  Json json = Json::object();
+  for (const FieldValue& item : set) json[item.field] = item.value;
+  return json;
 }
 
 // What the study keeps, by its full name.
@@ -243,6 +254,9 @@ Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore
   const StudyCase& item = model.cases()[number];
   const Columns columns(model, store, trials);
   Json json{{"name", item.name}, {"trials", trials.size()}, {"failures", failures(store, number, trials)}};
+  if (item.role != StudyCase::Role::given) json["for_budget"] = true;
+  if (item.views == ViewPolicy::together) json["views"] = "together";
+  if (!item.set.empty()) json["set"] = settings(item.set);
   for (std::size_t k = 0; k < item.sweep_values.size(); ++k)
     json["sweep"][study.sweep[k].field] = item.sweep_values[k];
   const std::vector<Quantity> of_part = part_quantities(item.scenario);
@@ -407,10 +421,6 @@ Json influences(const StudySpec& study, const Scenario& scenario) {
   return {{"covered", covered}, {"not_covered", not_covered}};
 }
 
-std::string short_number(const Json& value) {
-  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "-";
-}
-
 }  // namespace
 
 nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& model, const StudyRun& run,
@@ -419,6 +429,7 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
             {"study", study.name},
             {"description", study.description},
             {"scenario", study.scenario.filename().string()},
+            {"set", settings(study.set)},
             {"program_version", program_version()},
             {"program_commit", program_commit()},
             {"generator", "Philox4x64-10, keyed by seed, trial and source"},
@@ -446,57 +457,6 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
   json["comparisons"] = comparisons(study, model, store, run.trials);
   json["budget"] = budget(study, model, store, run.trials);
   return json;
-}
-
-std::string study_table(const nlohmann::ordered_json& document) {
-  std::string text =
-      fmt::format("Virtual experiment, {} trials, seed {}, coverage probability {}, rows {}\n",
-                  document["trials"].get<std::uint64_t>(), document["seed"].get<std::uint64_t>(),
-                  document["coverage_probability"].get<double>(), document["rows_hash"].get<std::string>());
-  const Json& first = document["cases"][0];
-  text += fmt::format("\n{:44} {:>11} {:>11} {:>11} {:>11}  unit\n", first["name"].get<std::string>(), "mean",
-                      "u", "low", "high");
-  if (first.contains("quantities"))
-    for (const auto& [name, q] : first["quantities"].items())
-      if (q.contains("mean"))
-        text += fmt::format("{:44} {:>11} {:>11} {:>11} {:>11}  {}\n", name, short_number(q["mean"]),
-                            short_number(q["standard_uncertainty"]), short_number(q["shortest_interval"][0]),
-                            short_number(q["shortest_interval"][1]), q["unit"].get<std::string>());
-  const auto headline = document["headline"].get<std::string>();
-  if (document["cases"].size() > 1) {
-    text += fmt::format("\n{}\n", headline);
-    for (const Json& item : document["cases"])
-      if (item.contains("quantities") && item["quantities"].contains(headline) &&
-          item["quantities"][headline].contains("mean"))
-        text += fmt::format("{:44} {:>11} {:>11}\n", item["name"].get<std::string>(),
-                            short_number(item["quantities"][headline]["mean"]),
-                            short_number(item["quantities"][headline]["standard_uncertainty"]));
-  }
-  for (const Json& item : document["cases"])
-    for (const Json& failure : item["failures"])
-      text += fmt::format("failed in {}: {} of {}, first trial {}: {}\n", item["name"].get<std::string>(),
-                          failure["count"].get<std::uint64_t>(), item["trials"].get<std::uint64_t>(),
-                          failure["first_trial"].get<std::uint64_t>(), failure["reason"].get<std::string>());
-  for (const Json& item : document["cases"]) {
-    if (!item.contains("quantities")) continue;
-    for (const auto& [name, quantity] : item["quantities"].items())
-      if (quantity.contains("without_value"))
-        text += fmt::format("no {} in {}: {} of {}, first trial {}\n", name, item["name"].get<std::string>(),
-                            quantity["without_value"]["count"].get<std::uint64_t>(),
-                            item["trials"].get<std::uint64_t>(),
-                            quantity["without_value"]["first_trial"].get<std::uint64_t>());
-  }
-  if (document["budget"].contains(headline)) {
-    text += fmt::format("\nBudget of {}: improve {} first\n", headline,
-                        document["budget"][headline]["improve_first"].get<std::string>());
-    text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", "source", "u alone", "first order", "total");
-    for (const Json& row : document["budget"][headline]["sources"])
-      text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", row["source"].get<std::string>(),
-                          short_number(row.value("alone_standard_uncertainty", Json())),
-                          short_number(row.value("first_order", Json())),
-                          short_number(row.value("total", Json())));
-  }
-  return text;
 }
 
 }  // namespace trueblade

@@ -228,11 +228,10 @@ std::vector<StudyCase> cases_of(const StudySpec& study) {
   std::vector<StudyCase> cases;
   for (const CaseSpec& item : given) {
     for (const auto& values : combinations(study.sweep)) {
-      std::vector<FieldValue> set = study.set;
-      set.insert(set.end(), item.set.begin(), item.set.end());
+      std::vector<FieldValue> own = item.set;
       std::vector<std::string> labels;
       for (std::size_t k = 0; k < values.size(); ++k) {
-        set.push_back({study.sweep[k].field, values[k]});
+        own.push_back({study.sweep[k].field, values[k]});
         labels.push_back(last_key(study.sweep[k].field) + " " + values[k]);
       }
       std::string name = fmt::format("{}", fmt::join(labels, ", "));
@@ -240,8 +239,10 @@ std::vector<StudyCase> cases_of(const StudySpec& study) {
         name = item.name;
       else if (given.size() > 1)
         name = item.name + ", " + name;
+      std::vector<FieldValue> set = study.set;
+      set.insert(set.end(), own.begin(), own.end());
       cases.push_back(
-          {name, scenario_with(study, name, set), item.views, values, StudyCase::Role::given, ""});
+          {name, scenario_with(study, name, set), item.views, own, values, StudyCase::Role::given, ""});
     }
   }
   if (!study.budget.empty()) add_budget_cases(study, cases);

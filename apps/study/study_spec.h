@@ -74,6 +74,7 @@ struct StudyCase {
   std::string name;
   Scenario scenario;
   ViewPolicy views = ViewPolicy::separate;
+  std::vector<FieldValue> set;            // what sets it apart from the others, sweeps included
   std::vector<std::string> sweep_values;  // one for each sweep
   // What the case is for, when the budget added it: the source that is alone in it, or drawn anew in it.
   enum class Role { given, only_source, all_anew, source_anew } role = Role::given;

@@ -149,7 +149,7 @@ TEST_F(StudyPartTest, WhatOneViewCannotMeasureIsCounted) {
                                 "quantities: [section_30_chord_error_mm, front.rms_mm]\n");
   const ChildResult result = run({"one.yaml", "--trials", "4", "--out", "run"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("no part.section_30_chord_error_mm in scenario: 4 of 4, first trial 0"),
+  EXPECT_NE(result.out.find("No value of part.section_30_chord_error_mm: 4 of 4, first trial 0"),
             std::string::npos)
       << result.out;
   const Json quantities = Json::parse(text_of(folder_ / "run/study.json"))["cases"][0]["quantities"];

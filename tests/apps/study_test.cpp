@@ -188,6 +188,44 @@ TEST_F(StudyTest, StatementComparisonAndPage) {
   EXPECT_NE(page.find(json["rows_hash"].get<std::string>()), std::string::npos);
 }
 
+// Who has nothing but the printed text.
+TEST_F(StudyTest, ThePrintedStatementIsWhole) {
+  const ChildResult result = run({"study.yaml", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json json = document("run");
+  for (const std::string& words :
+       {std::string("scan.spacing_mm = 2.0"),
+        std::string("M = 40 trials from trial 0, seed 3, generator Philox"),
+        "trueblade " + json["program_version"].get<std::string>(), rows("run"),
+        std::string("Coverage probability 90 %, GUM Supplement 1"), std::string("symmetric interval"),
+        std::string("shortest interval"), std::string("All cases: front.error_translation_x_mm"),
+        std::string("Case \"weighted\"\n"),
+        std::string("Case \"uniform\": registration.weights.source = uniform\n"), std::string("u / bound"),
+        std::string("The reported covariance of view front, stated to cover 90 %, covers the true pose in"),
+        std::string("The same trials, \"uniform\" minus \"weighted\"\n"), std::string("90 % confidence"),
+        std::string("The same in every pair: front.points"),
+        std::string("fixture_x: fixture on table, shift along x of the fixture\n"
+                    "      normal, mean 0, standard deviation 0.1 mm; drawn once for each trial; stated in"),
+        std::string("EXX:")})
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << '\n' << result.out;
+
+  // Every case in full, the failed trials with it.
+  for (const Json& item : json["cases"]) {
+    const std::size_t begin = result.out.find("Case \"" + item["name"].get<std::string>());
+    const std::string text = result.out.substr(begin, result.out.find("\nCase ", begin) - begin);
+    for (const auto& [name, quantity] : item["quantities"].items())
+      EXPECT_NE(text.find("\n" + name + ' '), std::string::npos) << name;
+    EXPECT_NE(text.find(item["failures"].empty() ? "No trial failed" : "Failed: "), std::string::npos)
+        << text;
+  }
+  // The mean of a signed error is a bias; that of a size is not.
+  EXPECT_TRUE(json["cases"][0]["quantities"]["front.error_translation_x_mm"].contains("bias"));
+  EXPECT_FALSE(json["cases"][0]["quantities"]["front.translation_error_mm"].contains("bias"));
+
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 150u) << line;
+}
+
 TEST_F(StudyTest, BudgetFindsTheSourceThatMatters) {
   // The offset of the sensor shifts the scan along the beam and the registration takes it for a place of the
   // part; the fixture's error is registered away.
