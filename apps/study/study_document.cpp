@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/study/influences.h"
 #include "apps/study/part_quantities.h"
 #include "apps/version.h"
 #include "inspection/statistics.h"
@@ -358,69 +359,6 @@ Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& s
   return json;
 }
 
-std::string scope_words(ErrorScope scope) {
-  switch (scope) {
-    case ErrorScope::setup:
-      return "drawn once for each trial";
-    case ErrorScope::view:
-      return "drawn for each view";
-    case ErrorScope::line:
-      return "drawn for each scan line";
-    case ErrorScope::point:
-      return "drawn for each point";
-  }
-  return "";
-}
-
-// ISO/TS 15530-4 asks for a declaration of what the virtual experiment covers.
-Json influences(const StudySpec& study, const Scenario& scenario) {
-  const std::string provenance = "stated in " + study.scenario.filename().string();
-  Json covered = Json::array(), silent = Json::array();
-  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
-    const auto source = static_cast<ErrorSource>(s);
-    const GaussianError& error = scenario.machine.simulation.errors[source];
-    if (error.sigma == 0.0 && error.mean == 0.0) {
-      silent.push_back(fmt::format("{}: {}", info(source).name, info(source).description));
-      continue;
-    }
-    covered.push_back({{"influence", fmt::format("{}: {}", info(source).name, info(source).description)},
-                       {"distribution", fmt::format("normal, mean {:.4g}, standard deviation {:.4g} {}",
-                                                    error.mean, error.sigma, info(source).unit)},
-                       {"scope", scope_words(error.scope)},
-                       {"provenance", provenance}});
-  }
-  const Lens& lens = scenario.machine.lens;
-  const SensorModel& sensor = scenario.machine.simulation.sensor;
-  covered.push_back(
-      {{"influence", "sensor: noise of the distance, rising with incidence, range and loss of signal"},
-       {"distribution",
-        fmt::format("normal, standard deviation {:.4g} mm at normal incidence, times {:.4g}; signal "
-                    "log-normal with {:.4g}",
-                    lens.accuracy_mm, sensor.noise_scale, sensor.speckle)},
-       {"scope", scope_words(ErrorScope::point)},
-       {"provenance", lens.verified
-                          ? "accuracy of lens " + lens.name + ": paper, section 4; model: docs/machine.md"
-                          : "lens as stated in the scenario; model: docs/machine.md"}});
-  covered.push_back({{"influence", "sensor: spot over edges, motion during the exposure, double reflection"},
-                     {"distribution", "computed from the scene"},
-                     {"scope", scope_words(ErrorScope::point)},
-                     {"provenance", "sensor model, docs/machine.md"}});
-  covered.push_back({{"influence", "registration: its own convergence, outliers, and the facets it works on"},
-                     {"distribution", "computed"},
-                     {"scope", "every trial"},
-                     {"provenance", "the program itself"}});
-  Json not_covered = silent;
-  if (scenario.machine.simulation.form_errors.empty())
-    not_covered.push_back("form errors and roughness of the part");
-  for (const char* words :
-       {"temperature of part and machine, and its gradients", "clamping forces and the weight of the part",
-        "vibration and the dynamics of the axes",
-        "optical properties of a real surface beyond the sensor model",
-        "contamination, operator, and errors of the CAD model"})
-    not_covered.push_back(words);
-  return {{"covered", covered}, {"not_covered", not_covered}};
-}
-
 }  // namespace
 
 nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& model, const StudyRun& run,
@@ -450,7 +388,7 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
                         {"largest_twice_standard_error", s.largest_twice_standard_error},
                         {"trials_expected", s.trials_expected}};
   }
-  json["influences"] = influences(study, model.cases()[0].scenario);
+  json["influences"] = influences(study, model.cases());
   json["cases"] = Json::array();
   for (std::uint32_t number = 0; number < model.cases().size(); ++number)
     json["cases"].push_back(case_json(study, model, store, run.trials, number));

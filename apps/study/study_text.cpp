@@ -210,17 +210,28 @@ std::string budget(const Json& document) {
   return text;
 }
 
-std::string influences(const Json& influences) {
-  std::string text = "\nInfluences that are covered: distribution; scope; provenance\n";
-  for (const Json& item : influences["covered"])
-    text += wrapped(text_of(item["influence"]), 2) +
-            wrapped(fmt::format("{}; {}; {}", text_of(item["distribution"]), text_of(item["scope"]),
-                                text_of(item["provenance"])),
-                    6);
+std::string influence(const std::string& title, const Json& item) {
+  std::string words = text_of(item["distribution"]);
+  for (const char* key : {"scope", "provenance"})
+    if (item.contains(key)) words += "; " + text_of(item[key]);
+  return wrapped(title, 2) + wrapped(words, 6);
+}
+
+std::string influences(const Json& influences, const Json& first_case) {
+  std::string text =
+      fmt::format("\nInfluences that are covered in case \"{}\": distribution; scope; provenance\n",
+                  text_of(first_case["name"]));
+  for (const Json& item : influences["covered"]) text += influence(text_of(item["influence"]), item);
   std::string names;
   for (const Json& item : influences["not_covered"]) names += (names.empty() ? "" : "; ") + text_of(item);
-  return text + "\nInfluences that are not covered (ISO/TS 15530-4 asks for them to be named)\n" +
-         wrapped(names + ".", 2);
+  text += "\nInfluences that are not covered (ISO/TS 15530-4 asks for them to be named)\n" +
+          wrapped(names + ".", 2);
+  if (influences["differences"].empty()) return text + "The influences are the same in all cases.\n";
+  text += "\nWhat the other cases have otherwise\n";
+  for (const Json& item : influences["differences"])
+    text +=
+        influence(fmt::format("case \"{}\", {}", text_of(item["case"]), text_of(item["influence"])), item);
+  return text;
 }
 
 constexpr const char* kLegend =
@@ -239,7 +250,7 @@ std::string study_text(const Json& document) {
   std::string text = heading(document) + kLegend + overview(document, cases);
   for (const Json& item : cases) text += case_text(item);
   for (const Json& item : document["comparisons"]) text += comparison(item, document["coverage_probability"]);
-  return text + budget(document) + influences(document["influences"]);
+  return text + budget(document) + influences(document["influences"], cases.front());
 }
 
 }  // namespace trueblade

@@ -226,6 +226,41 @@ TEST_F(StudyTest, ThePrintedStatementIsWhole) {
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 150u) << line;
 }
 
+TEST_F(StudyTest, InfluencesOfEveryCaseAreDeclared) {
+  write("cases.yaml", R"(scenario: cube.yaml
+trials: 1
+set: [{field: machine.simulation.errors.fixture_x, value: "{sigma_mm: 0.1}"}]
+cases:
+  - {name: as it is}
+  - name: other errors
+    set:
+      - {field: machine.simulation.errors.fixture_y, value: "{mean_mm: 0}"}
+      - {field: machine.simulation.form_errors, value: "[{kind: random, amplitude_mm: 0.01}]"}
+sweep: [{field: machine.lens.accuracy_mm, values: [0.003, 0.005]}]
+)");
+  const ChildResult result = run({"cases.yaml", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json influences = document("run")["influences"];
+  const auto find = [](const Json& list, const std::string& of_case, const std::string& name) {
+    for (const Json& item : list)
+      if (item.value("case", "") == of_case && item["influence"].get<std::string>().starts_with(name))
+        return item;
+    return Json();
+  };
+  EXPECT_EQ(find(influences["covered"], "", "fixture_x")["provenance"], "stated in cases.yaml");
+  EXPECT_EQ(find(influences["covered"], "", "fixture_c")["provenance"], "stated in cube.yaml");
+  const Json& differences = influences["differences"];
+  EXPECT_EQ(differences.size(), 1u + 2u + 3u) << differences;
+  const Json noise = find(differences, "as it is, accuracy_mm 0.005", "sensor: noise");
+  EXPECT_NE(noise["distribution"].get<std::string>().find("standard deviation 0.005 mm"), std::string::npos);
+  EXPECT_EQ(find(differences, "other errors, accuracy_mm 0.003", "fixture_y")["distribution"],
+            "none: not covered");
+  EXPECT_EQ(find(differences, "other errors, accuracy_mm 0.003", "form error 1")["distribution"],
+            "kind: random, amplitude_mm: 0.01, correlation_length_mm: 10");
+  EXPECT_NE(result.out.find("case \"as it is, accuracy_mm 0.005\", sensor: noise"), std::string::npos)
+      << result.out;
+}
+
 TEST_F(StudyTest, BudgetFindsTheSourceThatMatters) {
   // The offset of the sensor shifts the scan along the beam and the registration takes it for a place of the
   // part; the fixture's error is registered away.
