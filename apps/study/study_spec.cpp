@@ -48,11 +48,15 @@ void fields(YamlFields& io, ToleranceSpec& tolerance) {
   io.integer("maximum_trials", tolerance.maximum_trials, 1, std::uint64_t{1} << 40);
 }
 
+void surfaces_field(YamlFields& io, SurfaceTexts& surfaces) {
+  io.texts("surfaces", surfaces.texts);
+  surfaces.place = io.place("surfaces");
+}
+
 void fields(YamlFields& io, ProfileQuantity& profile) {
   io.require("name");
-  io.require("surfaces");
   io.text("name", profile.name);
-  io.integers("surfaces", profile.surfaces);
+  surfaces_field(io, profile.surfaces);
 }
 
 void budget_field(YamlFields& io, std::vector<BudgetMethod>& budget) {
@@ -98,7 +102,7 @@ void fields(YamlFields& io, StudySpec& study) {
   budget_field(io, study.budget);
   io.text("headline", study.headline);
   io.texts("quantities", study.quantities);
-  io.integers("surfaces", study.surfaces);
+  surfaces_field(io, study.surfaces);
   io.list<ProfileQuantity>("profiles", study.profiles,
                            [](YamlFields& inner, ProfileQuantity& item) { fields(inner, item); });
   io.check([&] { check_study(study); });

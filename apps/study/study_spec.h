@@ -41,9 +41,15 @@ struct ToleranceSpec {
 
 enum class BudgetMethod { one_at_a_time, sobol };
 
+// Surfaces as in inspection/surface_selection.h, and where in the file they are named.
+struct SurfaceTexts {
+  std::vector<std::string> texts;
+  std::string place;
+};
+
 struct ProfileQuantity {
   std::string name;
-  std::vector<std::uint32_t> surfaces;
+  SurfaceTexts surfaces;  // none: all
 };
 
 struct StudySpec {
@@ -62,7 +68,7 @@ struct StudySpec {
   std::vector<BudgetMethod> budget;
   std::string headline;                   // quantity of the running estimate, the budget and the plots
   std::vector<std::string> quantities;    // to keep, with or without their view; empty: all
-  std::vector<std::uint32_t> surfaces;    // CAD surfaces whose deviation error is kept by itself
+  SurfaceTexts surfaces;                  // whose deviation error is kept by itself
   std::vector<ProfileQuantity> profiles;  // profile of a surface, each over its surfaces
 };
 
