@@ -240,11 +240,17 @@ struct StudyModel::Impl {
       return register_to_datum(setup.part->target, points, item.scenario.machine.mcs_from_part.inverse(),
                                item.scenario.registration.options, datum);
     };
+    // Without the counts of an inspection's message, which would make a reason of its own of every trial.
+    const auto require_points = [](const ViewScan& view) {
+      const std::string nothing = nothing_measured(view);
+      if (!nothing.empty()) throw InputError(nothing);
+    };
     try {
       RegisteredPoints registered;
       ScanPoints points;
       for (std::size_t v = 0; v < scan.views.size(); ++v) {
         if (apart) {
+          require_points(scan.views[v]);
           RegisteredPoints registered_of_view;
           ScanPoints points_of_view;
           append_usable(scan.views[v], scan.truths[v], registered_of_view, points_of_view);
@@ -254,6 +260,7 @@ struct StudyModel::Impl {
         if (!apart || setup.measurands) append_usable(scan.views[v], scan.truths[v], registered, points);
       }
       if (!apart || setup.measurands) {
+        if (points.size() == 0) require_points(scan.views.front());
         const RegistrationResult result = register_points(points, setup.datum_surfaces);
         if (!apart)
           note(evaluate_view(item, setup,

@@ -332,7 +332,39 @@ TEST_F(StudyTest, StopsEarlyWhenEveryTrialFails) {
         std::string(kStudy) + "sweep: [{field: registration.termination.maximum_iterations, values: [1]}]\n");
   const ChildResult result = run({"hopeless.yaml", "--trials", "100000", "--out", "run"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("all of its first 100 trials failed"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("all of its first 100 trials failed, first trial 0: "), std::string::npos)
+      << result.err;
+  // By number, whatever else is done.
+  const ChildResult later =
+      run({"hopeless.yaml", "--trials", "37:100000", "--threads", "3", "--out", "later"});
+  EXPECT_NE(later.err.find("first trial 37: "), std::string::npos) << later.err;
+}
+
+TEST_F(StudyTest, ScansThatMissThePartAreToldAsInAnInspection) {
+  write("elsewhere.yaml", R"(scenario: cube.yaml
+set: [{field: machine.simulation.errors.fixture_y, value: "{mean_mm: -60}"}]
+)");
+  const ChildResult result = run({"elsewhere.yaml", "--trials", "3", "--out", "run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Json failures = document("run")["cases"][0]["failures"];
+  ASSERT_EQ(failures.size(), 1u) << failures;
+  const std::string reason = failures[0]["reason"];
+  EXPECT_NE(reason.find("view front: none of "), std::string::npos) << reason;
+  EXPECT_TRUE(reason.ends_with("does the part stand where mcs_from_part says?")) << reason;
+  // The same words in an inspection.
+  write("elsewhere_scenario.yaml",
+        std::string(kCubeScenario).replace(std::string(kCubeScenario).find("-0.3}"), 4, "-60"));
+  EXPECT_NE(run_trueblade({"inspect", "elsewhere_scenario.yaml", "--out", "inspected"}, folder_.path())
+                .err.find(reason),
+            std::string::npos);
+}
+
+TEST_F(StudyTest, ProgressSaysNoUncertaintyOfOneTrial) {
+  const ChildResult one = run({"study.yaml", "--trials", "1", "--out", "one"});
+  EXPECT_NE(one.err.find("1 of 1 trials"), std::string::npos) << one.err;
+  EXPECT_NE(one.err.find(": mean "), std::string::npos) << one.err;
+  EXPECT_EQ(one.err.find(", u "), std::string::npos) << one.err;
+  EXPECT_NE(run({"study.yaml", "--trials", "2", "--out", "two"}).err.find(", u "), std::string::npos);
 }
 
 TEST_F(StudyTest, ATrialThatLeavesThePoseUndeterminedIsAFailure) {
