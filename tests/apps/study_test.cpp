@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/apps/browser.h"
 #include "tests/apps/sample_inputs.h"
 
 namespace trueblade {
@@ -224,6 +225,28 @@ TEST_F(StudyTest, ThePrintedStatementIsWhole) {
 
   std::istringstream lines(result.out);
   for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 150u) << line;
+}
+
+TEST_F(StudyTest, ThePageOpensInARealBrowser) {
+  if (!has_browser()) GTEST_SKIP() << "chromium is not installed";
+  write("page.yaml",
+        std::string(kStudy) +
+            "budget: [one_at_a_time, sobol]\n"
+            "quantities: [error_translation_x_mm, error_translation_y_mm, error_translation_z_mm, "
+            "u_translation_x_mm, u_translation_y_mm, u_translation_z_mm, "
+            "reported_correlation_translation_xy, reported_correlation_translation_xz, "
+            "reported_correlation_translation_yz]\n"
+            "sweep: [{field: machine.lens.accuracy_mm, values: [0.003, 0.006]}]\n");
+  ASSERT_EQ(run({"page.yaml", "--out", "run"}).exit_code, 0);
+  const Json found = self_test(folder_, "run/study.html");
+  ASSERT_TRUE(found.is_object());
+  EXPECT_TRUE(found["errors"].empty()) << found;
+  EXPECT_EQ(found["abscissa"], "machine.lens.accuracy_mm");
+  EXPECT_EQ(found["statement_rows"], document("run")["cases"][0]["quantities"].size());
+  for (const char* chart :
+       {"histogram", "convergence", "sweep", "budget", "scatter_front_xy", "scatter_turned_xy"})
+    // Lines of two pixels across a hundred, or forty points of four pixels.
+    EXPECT_GT(found["painted"].value(chart, 0), 150) << chart << found;
 }
 
 TEST_F(StudyTest, InfluencesOfEveryCaseAreDeclared) {
