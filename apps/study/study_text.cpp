@@ -198,12 +198,14 @@ std::string budget(const Json& document) {
   if (!document["budget"].contains(headline)) return "";
   const Json& b = document["budget"][headline];
   std::string text = fmt::format("\nBudget of {}: improve {} first\n", headline, text_of(b["improve_first"]));
-  text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", "source", "u alone", "first order", "total");
-  for (const Json& row : b["sources"])
-    text +=
-        fmt::format("{:20} {:>14} {:>14} {:>14}\n", text_of(row["source"]),
-                    short_number(row.value("alone_standard_uncertainty", Json())),
-                    short_number(row.value("first_order", Json())), short_number(row.value("total", Json())));
+  text += fmt::format("{:20} {:>14} {:>14} {:>15} {:>14} {:>15}\n", "source", "u alone", "first order",
+                      "standard error", "total", "standard error");
+  for (const Json& row : b["sources"]) {
+    const auto cell = [&](const char* key) { return short_number(row.value(key, Json())); };
+    text += fmt::format("{:20} {:>14} {:>14} {:>15} {:>14} {:>15}\n", text_of(row["source"]),
+                        cell("alone_standard_uncertainty"), cell("first_order"), cell("first_order_error"),
+                        cell("total"), cell("total_error"));
+  }
   for (const Json& item : document["cases"])
     if (item.contains("for_budget") && !item["failures"].empty())
       text += fmt::format("Case \"{}\" of the budget\n", text_of(item["name"])) + failures(item);

@@ -1,5 +1,6 @@
 // Studies as a user runs them: the same rows for any number of threads, for interrupted and resumed, merged
 // and MPI runs; one trial shown alone; what the statement says; bad input.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -304,6 +305,13 @@ headline: front.translation_error_mm
   EXPECT_EQ(budget["sources"].size(), 3u);
   EXPECT_GT(budget["sources"][0]["total"].get<double>(), 0.8);
   for (std::size_t k = 1; k < 3; ++k) EXPECT_LT(budget["sources"][k]["total"].get<double>(), 0.2);
+  // What 60 trials know of an index stands beside it, in the text too.
+  for (const Json& source : budget["sources"])
+    for (const char* error : {"first_order_error", "total_error"}) {
+      EXPECT_GT(source[error].get<double>(), 0.0) << source;
+      EXPECT_NE(result.out.find(fmt::format("{:.4g}", source[error].get<double>())), std::string::npos)
+          << source;
+    }
 }
 
 TEST_F(StudyTest, AdaptiveNumberOfTrials) {
