@@ -314,6 +314,17 @@ headline: front.translation_error_mm
     }
 }
 
+TEST_F(StudyTest, TheShippedBudgetRuns) {
+  // Two trials are the least that have a variance.
+  const ChildResult result =
+      run({TRUEBLADE_SOURCE_DIR "/scenarios/studies/budget.yaml", "--trials", "2", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("provenance of the machine's errors: assumed"), std::string::npos) << result.out;
+  const Json budget = document("run")["budget"]["together.error_translation_y_mm"];
+  EXPECT_EQ(budget["sources"].size(), 15u) << budget;
+  for (const Json& source : budget["sources"]) EXPECT_TRUE(source.contains("total_error")) << source;
+}
+
 TEST_F(StudyTest, AdaptiveNumberOfTrials) {
   write("adaptive.yaml",
         std::string(kStudy) +
