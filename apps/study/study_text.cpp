@@ -77,16 +77,24 @@ std::string heading(const Json& document) {
   return text;
 }
 
-constexpr const char* kRow = "{:46} {:>7} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11}  {}\n";
+// A name fills the first column, or a line of its own where it is longer.
+std::string first_column(const std::string& name) {
+  constexpr std::size_t kColumn = 46;
+  return name.size() <= kColumn ? fmt::format("{:{}}", name, kColumn)
+                                : fmt::format("{}\n{:{}}", name, "", kColumn);
+}
 
-std::string statement_head(const std::string& first_column) {
-  return fmt::format("{:46} {:>7} {:>11} {:>11} {:>11} {:>23} {:>23}\n", "", "", "", "", "",
+constexpr const char* kRow = "{} {:>7} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11} {:>11}  {}\n";
+
+std::string statement_head(const std::string& title) {
+  return fmt::format("{} {:>7} {:>11} {:>11} {:>11} {:>23} {:>23}\n", first_column(""), "", "", "", "",
                      "symmetric interval", "shortest interval") +
-         fmt::format(kRow, first_column, "values", "mean", "bias", "u", "low", "high", "low", "high", "unit");
+         fmt::format(kRow, first_column(title), "values", "mean", "bias", "u", "low", "high", "low", "high",
+                     "unit");
 }
 
 std::string statement_row(const std::string& name, const Json& q) {
-  return fmt::format(kRow, name, text_of(q["values"]), short_number(q["mean"]),
+  return fmt::format(kRow, first_column(name), text_of(q["values"]), short_number(q["mean"]),
                      short_number(q.value("bias", Json())), short_number(q["standard_uncertainty"]),
                      short_number(q["symmetric_interval"][0]), short_number(q["symmetric_interval"][1]),
                      short_number(q["shortest_interval"][0]), short_number(q["shortest_interval"][1]),
@@ -118,21 +126,21 @@ std::string theory(const Json& item) {
   if (!item.contains("theory")) return text;
   for (const auto& [view, t] : item["theory"].items()) {
     if (t.contains("components")) {
-      text += fmt::format("\n{:46} {:>11} {:>18} {:>13} {:>15}\n", "pose error of view " + view, "u",
-                          "Cramer-Rao bound", "u / bound", "reported (RMS)");
+      text += fmt::format("\n{} {:>11} {:>18} {:>13} {:>15}\n", first_column("pose error of view " + view),
+                          "u", "Cramer-Rao bound", "u / bound", "reported (RMS)");
       for (const Json& c : t["components"])
-        text += fmt::format("{:46} {:>11} {:>18} {:>13} {:>15}\n", text_of(c["component"]),
+        text += fmt::format("{} {:>11} {:>18} {:>13} {:>15}\n", first_column(text_of(c["component"])),
                             short_number(c["spread"]), short_number(c["cramer_rao_bound"]),
                             short_number(c["spread_to_bound"]), short_number(c["reported"]));
     }
     if (!t.contains("coverage_of_reported_covariance")) continue;
     const Json& c = t["coverage_of_reported_covariance"];
-    text += fmt::format(
-        "The reported covariance of view {}, stated to cover {}, covers the true pose in {} of {} trials (95 "
-        "% "
-        "confidence: {} to {}).\n",
-        view, percent(c["stated"]), percent(c["observed"]), text_of(c["trials"]),
-        percent(c["confidence_interval_95"][0]), percent(c["confidence_interval_95"][1]));
+    text += wrapped(
+        fmt::format("The reported covariance of view {}, stated to cover {}, covers the true pose in {} of "
+                    "{} trials (95 % "
+                    "confidence: {} to {}).",
+                    view, percent(c["stated"]), percent(c["observed"]), text_of(c["trials"]),
+                    percent(c["confidence_interval_95"][0]), percent(c["confidence_interval_95"][1])));
   }
   return text;
 }
@@ -175,19 +183,21 @@ std::string case_text(const Json& item) {
 std::string comparison(const Json& c, const Json& probability) {
   if (!c.contains("quantities")) return "";
   std::string same;
-  std::string text =
-      fmt::format("\nThe same trials, \"{}\" minus \"{}\"\n", text_of(c["second"]), text_of(c["first"]));
-  text += fmt::format("{:46} {:>7} {:>15} {:>15} {:>11} {:>11}  unit  {} % confidence\n", "quantity", "pairs",
-                      "mean difference", "standard error", "low", "high", 100.0 * probability.get<double>());
+  std::string text = "\n" + wrapped(fmt::format("The same trials, \"{}\" minus \"{}\"", text_of(c["second"]),
+                                                text_of(c["first"])));
+  text += fmt::format("{} {:>7} {:>15} {:>15} {:>11} {:>11}  unit  {} % confidence\n",
+                      first_column("quantity"), "pairs", "mean difference", "standard error", "low", "high",
+                      100.0 * probability.get<double>());
   for (const auto& [name, d] : c["quantities"].items()) {
     if (d["mean_difference"] == 0.0 && d["standard_error"] == 0.0) {
       same += (same.empty() ? "" : ", ") + name;
       continue;
     }
-    text += fmt::format("{:46} {:>7} {:>15} {:>15} {:>11} {:>11}  {:4}  {}\n", name, text_of(d["pairs"]),
-                        short_number(d["mean_difference"]), short_number(d["standard_error"]),
-                        short_number(d["confidence_interval"][0]), short_number(d["confidence_interval"][1]),
-                        text_of(d["unit"]), d["significant"].get<bool>() ? "without zero" : "holds zero");
+    text += fmt::format("{} {:>7} {:>15} {:>15} {:>11} {:>11}  {:4}  {}\n", first_column(name),
+                        text_of(d["pairs"]), short_number(d["mean_difference"]),
+                        short_number(d["standard_error"]), short_number(d["confidence_interval"][0]),
+                        short_number(d["confidence_interval"][1]), text_of(d["unit"]),
+                        d["significant"].get<bool>() ? "without zero" : "holds zero");
   }
   if (!same.empty()) text += wrapped("The same in every pair: " + same);
   return text;

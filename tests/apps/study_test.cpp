@@ -192,6 +192,10 @@ TEST_F(StudyTest, StatementComparisonAndPage) {
 
 // Who has nothing but the printed text.
 TEST_F(StudyTest, ThePrintedStatementIsWhole) {
+  std::string study = kStudy;
+  study.insert(study.find("headline:"),
+               "  - {name: a case whose name has more letters than the column has places}\n");
+  write("study.yaml", study);
   const ChildResult result = run({"study.yaml", "--out", "run"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json json = document("run");
@@ -204,6 +208,8 @@ TEST_F(StudyTest, ThePrintedStatementIsWhole) {
         std::string("Case \"weighted\"\n"),
         std::string("Case \"uniform\": registration.weights.source = uniform\n"), std::string("u / bound"),
         std::string("The reported covariance of view front, stated to cover 90 %, covers the true pose in"),
+        // Too long for its column: a line of its own.
+        std::string("\na case whose name has more letters than the column has places\n  "),
         std::string("The same trials, \"uniform\" minus \"weighted\"\n"), std::string("90 % confidence"),
         std::string("The same in every pair: front.points"),
         std::string("fixture_x: fixture on table, shift along x of the fixture\n"
