@@ -43,6 +43,14 @@ VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& planned)
                            simulation.form_errors, scenario.seed, trial);
 }
 
+// A scan that follows its plan blindly may miss the part altogether.
+std::string nothing_measured(const ViewScan& scan) {
+  if (!scan.usable.empty()) return "";
+  return fmt::format(
+      "view {}: none of {} samples gave a point; does the part stand where mcs_from_part says?", scan.view,
+      scan.samples.size());
+}
+
 namespace {
 
 MeasuredTruth truth_of(const SimulationTruth& simulated, const ViewScan& scan) {
@@ -56,16 +64,13 @@ MeasuredTruth truth_of(const SimulationTruth& simulated, const ViewScan& scan) {
   return truth;
 }
 
-// A scan that follows its plan blindly may miss the part altogether.
 void require_points(const ViewScan& scan) {
-  if (!scan.usable.empty()) return;
+  const std::string nothing = nothing_measured(scan);
+  if (nothing.empty()) return;
   std::size_t out_of_range = 0;
   for (const ProbeSample& sample : scan.samples) out_of_range += sample.flags.out_of_range ? 1 : 0;
-  throw InputError(
-      fmt::format("view {}: none of {} samples gave a point ({} out of the working range, {} without a "
-                  "return); does the part "
-                  "stand where mcs_from_part says?",
-                  scan.view, scan.samples.size(), out_of_range, scan.samples.size() - out_of_range));
+  throw InputError(fmt::format("{} ({} out of the working range, {} without a return)", nothing, out_of_range,
+                               scan.samples.size() - out_of_range));
 }
 
 // A machine, and the truth about it where there is one.

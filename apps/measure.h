@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "apps/plan_scan.h"
@@ -22,6 +23,9 @@ struct MeasuredTruth {
 // What stands on the virtual machine, and the machine itself, as the scenario says.
 VirtualPart virtual_part(const Scenario& scenario, const PartOnMachine& nominal);
 VirtualSetup virtual_setup(const Scenario& scenario);
+
+// What to say of a scan that gave no point at all; empty: it gave some.
+std::string nothing_measured(const ViewScan& scan);
 
 struct MeasuredView {
   ViewScan scan;

@@ -56,6 +56,8 @@ class YamlFields {
   virtual InputError error(std::string_view key, const std::string& message) const = 0;
   // Reading: the same for a message that speaks of keys in its own words.
   virtual InputError error_about(const std::string& message) const = 0;
+  // Reading: "file:line" of the key, where it stands, or else of this map, for what is found out later.
+  virtual std::string place(std::string_view key) const = 0;
   // Calls `validate`; an InputError gets the file and line of the first key that its words name (a key of an
   // inner map as "map.key"; _rad stands for _deg), or else of this map.
   void check(const std::function<void()>& validate) const;

@@ -141,8 +141,10 @@ class MapReader final : public YamlFields {
   }
 
   InputError error(std::string_view key, const std::string& message) const override {
-    const auto line = line_of(map_, key);
-    return line_error(file_, line.value_or(map_.line), message);
+    return file_error(place(key), message);
+  }
+  std::string place(std::string_view key) const override {
+    return fmt::format("{}:{}", file_, line_of(map_, key).value_or(map_.line));
   }
   InputError error_about(const std::string& message) const override {
     constexpr std::string_view kBetweenWords = " :,;()[]{}\"'=";

@@ -20,6 +20,7 @@ class MapWriter final : public YamlFields {
     return InputError(message);
   }
   InputError error_about(const std::string& message) const override { return InputError(message); }
+  std::string place(std::string_view) const override { return ""; }
 
   void map(std::string_view key, const MapFunction& fields_of_map) override {
     out_ << YAML::Key << std::string(key) << YAML::Value << YAML::BeginMap;

@@ -74,7 +74,7 @@ void write_results(const StudySpec& study, const StudyModel& model, const StudyR
   if (json)
     fmt::print("{}\n", document.dump(1));
   else
-    fmt::print("{}\nReport: {}/study.html, study.json; all trials: trials.sqlite{}\n", study_table(document),
+    fmt::print("{}\nReport: {}/study.html, study.json; all trials: trials.sqlite{}\n", study_text(document),
                folder.string(), csv ? ", trials.csv" : "");
 }
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <map>
 
 #include "apps/interrupt.h"
 #include "apps/study/study_progress.h"
@@ -20,8 +21,8 @@ constexpr std::uint64_t kPiece = 4;
 // A transaction waits for the disk; one a second costs nothing and loses no more than a second.
 constexpr double kTransactionEvery_s = 1.0;
 constexpr std::size_t kLargestTransaction = 20000;  // rows
-// A case without a single result after so many trials is hopeless: were one trial in ten good, the chance of
-// this would be 3 in 100,000.
+// A case whose first so many trials, by their numbers, all fail is hopeless: were one trial in ten good, the
+// chance of this would be 3 in 100,000.
 constexpr std::uint64_t kHopelessAfter = 100;
 
 using Clock = std::chrono::steady_clock;
@@ -54,25 +55,33 @@ class TransactionBuffer {
 // Stops a study of which a case only fails.
 class HopelessCaseWatch {
  public:
-  explicit HopelessCaseWatch(const StudyModel& model) : model_(model), tried_(model.cases().size()) {}
+  explicit HopelessCaseWatch(const StudyModel& model) : model_(model), failed_(model.cases().size()) {}
+
+  // What is to be done now. By number and not by the order of work: the verdict does not depend on threads.
+  void start(const std::vector<TrialRange>& trials) {
+    std::uint64_t before = 0;
+    for (const TrialRange& range : trials) {
+      if (!watched_end_ && before + range.size() >= kHopelessAfter)
+        watched_end_ = range.begin + kHopelessAfter - before;
+      before += range.size();
+    }
+  }
 
   void see(const Outcome& outcome) {
-    Tally& tally = tried_[outcome.case_number];
-    ++tally.trials;
-    if (outcome.failure.empty()) tally.any_result = true;
-    if (tally.any_result || tally.trials < kHopelessAfter) return;
-    throw InputError(fmt::format("case \"{}\": all of its first {} trials failed, as in trial {}: {}",
-                                 model_.cases()[outcome.case_number].name, tally.trials, outcome.trial,
-                                 outcome.failure));
+    if (!watched_end_ || outcome.trial >= *watched_end_ || outcome.failure.empty()) return;
+    std::map<std::uint64_t, std::string>& failed = failed_[outcome.case_number];
+    failed.emplace(outcome.trial, outcome.failure);
+    if (failed.size() < kHopelessAfter) return;
+    const auto& [first_trial, failure] = *failed.begin();
+    throw InputError(fmt::format("case \"{}\": all of its first {} trials failed, first trial {}: {}",
+                                 model_.cases()[outcome.case_number].name, kHopelessAfter, first_trial,
+                                 failure));
   }
 
  private:
-  struct Tally {
-    std::uint64_t trials = 0;
-    bool any_result = false;
-  };
   const StudyModel& model_;
-  std::vector<Tally> tried_;
+  std::optional<std::uint64_t> watched_end_;                  // one past the last trial that counts
+  std::vector<std::map<std::uint64_t, std::string>> failed_;  // of each case, why
 };
 
 std::vector<double> block_values(const TrialStore& store, std::size_t quantity, const TrialRange& block) {
@@ -124,7 +133,9 @@ StudyRun run_study(const StudySpec& study, const StudyModel& model, const std::o
   const TrialFunction evaluate = [&](std::uint64_t trial) { return model.evaluate(trial); };
 
   const auto complete = [&](const TrialRange& trials) {
-    TrialQueue queue(store.missing(trials), kPiece);
+    const std::vector<TrialRange> missing = store.missing(trials);
+    watch.start(missing);
+    TrialQueue queue(missing, kPiece);
     ranks.coordinate([&] { return interrupted() ? std::nullopt : queue.next(); }, evaluate,
                      [&](std::vector<Outcome> outcomes) {
                        for (const Outcome& outcome : outcomes) {

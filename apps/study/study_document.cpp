@@ -7,6 +7,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/study/influences.h"
 #include "apps/study/part_quantities.h"
 #include "apps/version.h"
 #include "inspection/statistics.h"
@@ -21,6 +22,8 @@ using Column = std::vector<std::pair<std::uint64_t, double>>;  // trial, value
 
 constexpr std::size_t kHistogramBins = 40;
 constexpr std::size_t kScatterPoints = 1000;
+constexpr const char* kSizes[] = {".rotation_error_rad", ".translation_error_mm", ".deviation_error_rms_mm",
+                                  ".normalised_error_squared"};
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -67,9 +70,12 @@ Json histogram(const std::vector<double>& values) {
   return {{"from", *low}, {"to", *high}, {"counts", h.counts}};
 }
 
-bool is_error(const Quantity& quantity) {
-  return quantity.name.find("error_") != std::string::npos &&
-         quantity.name.find("normalised") == std::string::npos;
+// Registered or measured minus true, with its sign: its mean is a bias. The mean of a size, such as the angle
+// between two poses, is above zero however good the measurement.
+bool is_signed_error(const Quantity& quantity) {
+  if (quantity.name.find("error_") == std::string::npos) return false;
+  return std::none_of(std::begin(kSizes), std::end(kSizes),
+                      [&](const char* size) { return quantity.name.ends_with(size); });
 }
 
 Json statement(const Quantity& quantity, const Column& column, double probability) {
@@ -81,7 +87,7 @@ Json statement(const Quantity& quantity, const Column& column, double probabilit
   json["standard_uncertainty"] = s.standard_uncertainty;
   json["standard_error_of_mean"] = s.standard_uncertainty / std::sqrt(static_cast<double>(s.trials));
   json["standard_error_of_uncertainty"] = uncertainty_error(values, s);
-  if (is_error(quantity)) json["bias"] = s.mean;  // the truth is zero
+  if (is_signed_error(quantity)) json["bias"] = s.mean;  // the truth is zero
   json["symmetric_interval"] = interval(s.symmetric);
   json["shortest_interval"] = interval(s.shortest);
   json["histogram"] = histogram(values);
@@ -104,6 +110,12 @@ Json failures(const TrialStore& store, std::uint32_t case_number, const TrialRan
     list.push_back(
         {{"reason", failure.failure}, {"count", failure.count}, {"first_trial", failure.first_trial}});
   return list;
+}
+
+Json settings(const std::vector<FieldValue>& set) {
+  Json json = Json::object();
+  for (const FieldValue& item : set) json[item.field] = item.value;
+  return json;
 }
 
 // What the study keeps, by its full name.
@@ -243,6 +255,9 @@ Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore
   const StudyCase& item = model.cases()[number];
   const Columns columns(model, store, trials);
   Json json{{"name", item.name}, {"trials", trials.size()}, {"failures", failures(store, number, trials)}};
+  if (item.role != StudyCase::Role::given) json["for_budget"] = true;
+  if (item.views == ViewPolicy::together) json["views"] = "together";
+  if (!item.set.empty()) json["set"] = settings(item.set);
   for (std::size_t k = 0; k < item.sweep_values.size(); ++k)
     json["sweep"][study.sweep[k].field] = item.sweep_values[k];
   const std::vector<Quantity> of_part = part_quantities(item.scenario);
@@ -344,73 +359,6 @@ Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& s
   return json;
 }
 
-std::string scope_words(ErrorScope scope) {
-  switch (scope) {
-    case ErrorScope::setup:
-      return "drawn once for each trial";
-    case ErrorScope::view:
-      return "drawn for each view";
-    case ErrorScope::line:
-      return "drawn for each scan line";
-    case ErrorScope::point:
-      return "drawn for each point";
-  }
-  return "";
-}
-
-// ISO/TS 15530-4 asks for a declaration of what the virtual experiment covers.
-Json influences(const StudySpec& study, const Scenario& scenario) {
-  const std::string provenance = "stated in " + study.scenario.filename().string();
-  Json covered = Json::array(), silent = Json::array();
-  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
-    const auto source = static_cast<ErrorSource>(s);
-    const GaussianError& error = scenario.machine.simulation.errors[source];
-    if (error.sigma == 0.0 && error.mean == 0.0) {
-      silent.push_back(fmt::format("{}: {}", info(source).name, info(source).description));
-      continue;
-    }
-    covered.push_back({{"influence", fmt::format("{}: {}", info(source).name, info(source).description)},
-                       {"distribution", fmt::format("normal, mean {:.4g}, standard deviation {:.4g} {}",
-                                                    error.mean, error.sigma, info(source).unit)},
-                       {"scope", scope_words(error.scope)},
-                       {"provenance", provenance}});
-  }
-  const Lens& lens = scenario.machine.lens;
-  const SensorModel& sensor = scenario.machine.simulation.sensor;
-  covered.push_back(
-      {{"influence", "sensor: noise of the distance, rising with incidence, range and loss of signal"},
-       {"distribution",
-        fmt::format("normal, standard deviation {:.4g} mm at normal incidence, times {:.4g}; signal "
-                    "log-normal with {:.4g}",
-                    lens.accuracy_mm, sensor.noise_scale, sensor.speckle)},
-       {"scope", scope_words(ErrorScope::point)},
-       {"provenance", lens.verified
-                          ? "accuracy of lens " + lens.name + ": paper, section 4; model: docs/machine.md"
-                          : "lens as stated in the scenario; model: docs/machine.md"}});
-  covered.push_back({{"influence", "sensor: spot over edges, motion during the exposure, double reflection"},
-                     {"distribution", "computed from the scene"},
-                     {"scope", scope_words(ErrorScope::point)},
-                     {"provenance", "sensor model, docs/machine.md"}});
-  covered.push_back({{"influence", "registration: its own convergence, outliers, and the facets it works on"},
-                     {"distribution", "computed"},
-                     {"scope", "every trial"},
-                     {"provenance", "the program itself"}});
-  Json not_covered = silent;
-  if (scenario.machine.simulation.form_errors.empty())
-    not_covered.push_back("form errors and roughness of the part");
-  for (const char* words :
-       {"temperature of part and machine, and its gradients", "clamping forces and the weight of the part",
-        "vibration and the dynamics of the axes",
-        "optical properties of a real surface beyond the sensor model",
-        "contamination, operator, and errors of the CAD model"})
-    not_covered.push_back(words);
-  return {{"covered", covered}, {"not_covered", not_covered}};
-}
-
-std::string short_number(const Json& value) {
-  return value.is_number() ? fmt::format("{:.4g}", value.get<double>()) : "-";
-}
-
 }  // namespace
 
 nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& model, const StudyRun& run,
@@ -419,6 +367,7 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
             {"study", study.name},
             {"description", study.description},
             {"scenario", study.scenario.filename().string()},
+            {"set", settings(study.set)},
             {"program_version", program_version()},
             {"program_commit", program_commit()},
             {"generator", "Philox4x64-10, keyed by seed, trial and source"},
@@ -439,64 +388,13 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
                         {"largest_twice_standard_error", s.largest_twice_standard_error},
                         {"trials_expected", s.trials_expected}};
   }
-  json["influences"] = influences(study, model.cases()[0].scenario);
+  json["influences"] = influences(study, model.cases());
   json["cases"] = Json::array();
   for (std::uint32_t number = 0; number < model.cases().size(); ++number)
     json["cases"].push_back(case_json(study, model, store, run.trials, number));
   json["comparisons"] = comparisons(study, model, store, run.trials);
   json["budget"] = budget(study, model, store, run.trials);
   return json;
-}
-
-std::string study_table(const nlohmann::ordered_json& document) {
-  std::string text =
-      fmt::format("Virtual experiment, {} trials, seed {}, coverage probability {}, rows {}\n",
-                  document["trials"].get<std::uint64_t>(), document["seed"].get<std::uint64_t>(),
-                  document["coverage_probability"].get<double>(), document["rows_hash"].get<std::string>());
-  const Json& first = document["cases"][0];
-  text += fmt::format("\n{:44} {:>11} {:>11} {:>11} {:>11}  unit\n", first["name"].get<std::string>(), "mean",
-                      "u", "low", "high");
-  if (first.contains("quantities"))
-    for (const auto& [name, q] : first["quantities"].items())
-      if (q.contains("mean"))
-        text += fmt::format("{:44} {:>11} {:>11} {:>11} {:>11}  {}\n", name, short_number(q["mean"]),
-                            short_number(q["standard_uncertainty"]), short_number(q["shortest_interval"][0]),
-                            short_number(q["shortest_interval"][1]), q["unit"].get<std::string>());
-  const auto headline = document["headline"].get<std::string>();
-  if (document["cases"].size() > 1) {
-    text += fmt::format("\n{}\n", headline);
-    for (const Json& item : document["cases"])
-      if (item.contains("quantities") && item["quantities"].contains(headline) &&
-          item["quantities"][headline].contains("mean"))
-        text += fmt::format("{:44} {:>11} {:>11}\n", item["name"].get<std::string>(),
-                            short_number(item["quantities"][headline]["mean"]),
-                            short_number(item["quantities"][headline]["standard_uncertainty"]));
-  }
-  for (const Json& item : document["cases"])
-    for (const Json& failure : item["failures"])
-      text += fmt::format("failed in {}: {} of {}, first trial {}: {}\n", item["name"].get<std::string>(),
-                          failure["count"].get<std::uint64_t>(), item["trials"].get<std::uint64_t>(),
-                          failure["first_trial"].get<std::uint64_t>(), failure["reason"].get<std::string>());
-  for (const Json& item : document["cases"]) {
-    if (!item.contains("quantities")) continue;
-    for (const auto& [name, quantity] : item["quantities"].items())
-      if (quantity.contains("without_value"))
-        text += fmt::format("no {} in {}: {} of {}, first trial {}\n", name, item["name"].get<std::string>(),
-                            quantity["without_value"]["count"].get<std::uint64_t>(),
-                            item["trials"].get<std::uint64_t>(),
-                            quantity["without_value"]["first_trial"].get<std::uint64_t>());
-  }
-  if (document["budget"].contains(headline)) {
-    text += fmt::format("\nBudget of {}: improve {} first\n", headline,
-                        document["budget"][headline]["improve_first"].get<std::string>());
-    text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", "source", "u alone", "first order", "total");
-    for (const Json& row : document["budget"][headline]["sources"])
-      text += fmt::format("{:20} {:>14} {:>14} {:>14}\n", row["source"].get<std::string>(),
-                          short_number(row.value("alone_standard_uncertainty", Json())),
-                          short_number(row.value("first_order", Json())),
-                          short_number(row.value("total", Json())));
-  }
-  return text;
 }
 
 }  // namespace trueblade

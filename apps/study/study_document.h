@@ -11,8 +11,8 @@ namespace trueblade {
 nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& model, const StudyRun& run,
                                       const TrialStore& store);
 
-// The statement of the first case as a table, then what the study was made for: sweep, comparison, budget.
-std::string study_table(const nlohmann::ordered_json& document);
+// The same as text of at most 150 columns: everything but histograms and other curves.
+std::string study_text(const nlohmann::ordered_json& document);
 
 // One row for each trial and case.
 void write_trials_csv(const std::filesystem::path& file, const StudyModel& model, const StudyRun& run,

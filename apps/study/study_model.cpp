@@ -103,6 +103,7 @@ std::vector<std::string> view_names(const StudyCase& item, const std::vector<Sca
 
 struct StudyModel::Impl {
   StudySpec study;
+  SelectedSurfaces selected;
   std::vector<CaseSetup> setups;           // one per case
   std::vector<Quantity> of_view;           // without the view
   std::vector<std::string> views;          // of all cases
@@ -110,6 +111,19 @@ struct StudyModel::Impl {
   std::vector<Quantity> of_part;           // of all cases, without "part."
   std::vector<std::string> kept_of_part;   // the same, those that are kept
   std::vector<Quantity> kept;              // of the views in order, then of the part
+
+  // Quantities are called after their surfaces, so that these must be the same in all cases.
+  void select_surfaces_of(const std::vector<StudyCase>& cases) {
+    for (std::size_t number = 0; number < cases.size(); ++number) {
+      const SelectedSurfaces of_case = selected_surfaces(study, setups[number].part->target.part());
+      if (number == 0) selected = of_case;
+      if (of_case != selected)
+        throw file_error(study.file.string(),
+                         fmt::format("surfaces and profiles name other surfaces in case \"{}\" than in case "
+                                     "\"{}\", must name the same in all",
+                                     cases[number].name, cases.front().name));
+    }
+  }
 
   void choose_quantities() {
     std::vector<std::string> all;
@@ -188,8 +202,8 @@ struct StudyModel::Impl {
     const auto view_number =
         static_cast<std::size_t>(std::find(views.begin(), views.end(), view) - views.begin());
     const std::vector<bool>& wanted = is_kept[view_number];
-    const std::vector<double> of_this = values_of_view(study, item.scenario, setup.part->target, *part.model,
-                                                       registered, points, result, wanted);
+    const std::vector<double> of_this = values_of_view(selected, item.scenario, setup.part->target,
+                                                       *part.model, registered, points, result, wanted);
     std::size_t place = 0;
     for (std::size_t v = 0; v < view_number; ++v)
       place += static_cast<std::size_t>(std::count(is_kept[v].begin(), is_kept[v].end(), true));
@@ -226,11 +240,17 @@ struct StudyModel::Impl {
       return register_to_datum(setup.part->target, points, item.scenario.machine.mcs_from_part.inverse(),
                                item.scenario.registration.options, datum);
     };
+    // Without the counts of an inspection's message, which would make a reason of its own of every trial.
+    const auto require_points = [](const ViewScan& view) {
+      const std::string nothing = nothing_measured(view);
+      if (!nothing.empty()) throw InputError(nothing);
+    };
     try {
       RegisteredPoints registered;
       ScanPoints points;
       for (std::size_t v = 0; v < scan.views.size(); ++v) {
         if (apart) {
+          require_points(scan.views[v]);
           RegisteredPoints registered_of_view;
           ScanPoints points_of_view;
           append_usable(scan.views[v], scan.truths[v], registered_of_view, points_of_view);
@@ -240,6 +260,7 @@ struct StudyModel::Impl {
         if (!apart || setup.measurands) append_usable(scan.views[v], scan.truths[v], registered, points);
       }
       if (!apart || setup.measurands) {
+        if (points.size() == 0) require_points(scan.views.front());
         const RegistrationResult result = register_points(points, setup.datum_surfaces);
         if (!apart)
           note(evaluate_view(item, setup,
@@ -279,7 +300,8 @@ StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
       if (std::find(impl_->views.begin(), impl_->views.end(), view) == impl_->views.end())
         impl_->views.push_back(view);
   }
-  impl_->of_view = view_quantities(study);
+  impl_->select_surfaces_of(cases_);
+  impl_->of_view = view_quantities(impl_->selected);
   for (const StudyCase& item : cases_)
     for (const Quantity& quantity : part_quantities(item.scenario))
       if (std::none_of(impl_->of_part.begin(), impl_->of_part.end(),

@@ -54,10 +54,12 @@ void StudyProgress::show() {
   shown_ = Clock::now();
   const double rate = static_cast<double>(done_) / std::max(1e-9, seconds_between(started_, shown_));
   const double left_s = static_cast<double>(total_ - done_) / rate;
-  const double deviation = values_ > 1 ? std::sqrt(squares_ / static_cast<double>(values_ - 1)) : 0.0;
-  const std::string estimate = fmt::format(
-      "{:.1f} trials/s, {} left, {}: mean {:.3g}, u {:.3g} {}{}", rate, duration_text(left_s), headline_.name,
-      mean_, deviation, headline_.unit, failures_ > 0 ? fmt::format(", {} failed", failures_) : "");
+  std::string estimate = fmt::format("{:.1f} trials/s, {} left", rate, duration_text(left_s));
+  if (values_ > 0) estimate += fmt::format(", {}: mean {:.3g}", headline_.name, mean_);
+  if (values_ > 1)
+    estimate += fmt::format(", u {:.3g}", std::sqrt(squares_ / static_cast<double>(values_ - 1)));
+  if (values_ > 0) estimate += " " + headline_.unit;
+  if (failures_ > 0) estimate += fmt::format(", {} failed", failures_);
   if (!terminal_) {
     fmt::print(stderr, "trueblade: {}: {} of {} trials, {}\n", label_, done_, total_, estimate);
     return;

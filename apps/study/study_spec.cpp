@@ -48,11 +48,15 @@ void fields(YamlFields& io, ToleranceSpec& tolerance) {
   io.integer("maximum_trials", tolerance.maximum_trials, 1, std::uint64_t{1} << 40);
 }
 
+void surfaces_field(YamlFields& io, SurfaceTexts& surfaces) {
+  io.texts("surfaces", surfaces.texts);
+  surfaces.place = io.place("surfaces");
+}
+
 void fields(YamlFields& io, ProfileQuantity& profile) {
   io.require("name");
-  io.require("surfaces");
   io.text("name", profile.name);
-  io.integers("surfaces", profile.surfaces);
+  surfaces_field(io, profile.surfaces);
 }
 
 void budget_field(YamlFields& io, std::vector<BudgetMethod>& budget) {
@@ -98,7 +102,7 @@ void fields(YamlFields& io, StudySpec& study) {
   budget_field(io, study.budget);
   io.text("headline", study.headline);
   io.texts("quantities", study.quantities);
-  io.integers("surfaces", study.surfaces);
+  surfaces_field(io, study.surfaces);
   io.list<ProfileQuantity>("profiles", study.profiles,
                            [](YamlFields& inner, ProfileQuantity& item) { fields(inner, item); });
   io.check([&] { check_study(study); });
@@ -228,11 +232,10 @@ std::vector<StudyCase> cases_of(const StudySpec& study) {
   std::vector<StudyCase> cases;
   for (const CaseSpec& item : given) {
     for (const auto& values : combinations(study.sweep)) {
-      std::vector<FieldValue> set = study.set;
-      set.insert(set.end(), item.set.begin(), item.set.end());
+      std::vector<FieldValue> own = item.set;
       std::vector<std::string> labels;
       for (std::size_t k = 0; k < values.size(); ++k) {
-        set.push_back({study.sweep[k].field, values[k]});
+        own.push_back({study.sweep[k].field, values[k]});
         labels.push_back(last_key(study.sweep[k].field) + " " + values[k]);
       }
       std::string name = fmt::format("{}", fmt::join(labels, ", "));
@@ -240,8 +243,10 @@ std::vector<StudyCase> cases_of(const StudySpec& study) {
         name = item.name;
       else if (given.size() > 1)
         name = item.name + ", " + name;
+      std::vector<FieldValue> set = study.set;
+      set.insert(set.end(), own.begin(), own.end());
       cases.push_back(
-          {name, scenario_with(study, name, set), item.views, values, StudyCase::Role::given, ""});
+          {name, scenario_with(study, name, set), item.views, own, values, StudyCase::Role::given, ""});
     }
   }
   if (!study.budget.empty()) add_budget_cases(study, cases);

@@ -41,9 +41,15 @@ struct ToleranceSpec {
 
 enum class BudgetMethod { one_at_a_time, sobol };
 
+// Surfaces as in inspection/surface_selection.h, and where in the file they are named.
+struct SurfaceTexts {
+  std::vector<std::string> texts;
+  std::string place;
+};
+
 struct ProfileQuantity {
   std::string name;
-  std::vector<std::uint32_t> surfaces;
+  SurfaceTexts surfaces;  // none: all
 };
 
 struct StudySpec {
@@ -62,7 +68,7 @@ struct StudySpec {
   std::vector<BudgetMethod> budget;
   std::string headline;                   // quantity of the running estimate, the budget and the plots
   std::vector<std::string> quantities;    // to keep, with or without their view; empty: all
-  std::vector<std::uint32_t> surfaces;    // CAD surfaces whose deviation error is kept by itself
+  SurfaceTexts surfaces;                  // whose deviation error is kept by itself
   std::vector<ProfileQuantity> profiles;  // profile of a surface, each over its surfaces
 };
 
@@ -74,6 +80,7 @@ struct StudyCase {
   std::string name;
   Scenario scenario;
   ViewPolicy views = ViewPolicy::separate;
+  std::vector<FieldValue> set;            // what sets it apart from the others, sweeps included
   std::vector<std::string> sweep_values;  // one for each sweep
   // What the case is for, when the budget added it: the source that is alone in it, or drawn anew in it.
   enum class Role { given, only_source, all_anew, source_anew } role = Role::given;

@@ -13,6 +13,7 @@
 #include "apps/study/pose_bound.h"
 #include "inspection/deviations.h"
 #include "inspection/result.h"
+#include "inspection/surface_selection.h"
 
 namespace trueblade {
 namespace {
@@ -47,11 +48,12 @@ ReportedDeviations report(const RegistrationTarget& target, const Scenario& scen
 }
 
 // Profile of a surface: twice the largest deviation from the nominal surface, either side.
-double profile_mm(const ProfileQuantity& profile, const std::vector<std::uint32_t>& surface,
+double profile_mm(const SelectedProfile& profile, const std::vector<std::uint32_t>& surface,
                   const std::function<double(std::size_t)>& deviation_mm) {
   double largest = kNoValue;
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (std::find(profile.surfaces.begin(), profile.surfaces.end(), surface[i]) == profile.surfaces.end())
+    if (!profile.surfaces.empty() &&
+        std::find(profile.surfaces.begin(), profile.surfaces.end(), surface[i]) == profile.surfaces.end())
       continue;
     largest = std::fmax(largest, std::abs(deviation_mm(i)));  // fmax passes over NaN
   }
@@ -77,7 +79,28 @@ struct PoseDeviationError {
 
 }  // namespace
 
-std::vector<Quantity> view_quantities(const StudySpec& study) {
+SelectedSurfaces selected_surfaces(const StudySpec& study, const Part& part) {
+  const auto select = [&](const SurfaceTexts& named, const std::string& key) {
+    std::vector<std::uint32_t> surfaces;
+    for (const std::string& text : named.texts) {
+      try {
+        for (const std::uint32_t surface : select_surfaces(part, {&text, 1}))
+          if (std::find(surfaces.begin(), surfaces.end(), surface) == surfaces.end())
+            surfaces.push_back(surface);
+      } catch (const InputError& failure) {
+        throw file_error(named.place, fmt::format("{}: {}", key, failure.what()));
+      }
+    }
+    return surfaces;
+  };
+  SelectedSurfaces selected{select(study.surfaces, "surfaces"), {}};
+  for (const ProfileQuantity& profile : study.profiles)
+    selected.profiles.push_back(
+        {profile.name, select(profile.surfaces, fmt::format("profile {}", profile.name))});
+  return selected;
+}
+
+std::vector<Quantity> view_quantities(const SelectedSurfaces& selected) {
   std::vector<Quantity> list;
   add_pose_components("error", "pose error", list);
   list.push_back({"rotation_error_rad", "rad", "angle between registered and true pose"});
@@ -99,19 +122,19 @@ std::vector<Quantity> view_quantities(const StudySpec& study) {
   list.push_back(
       {"deviation_error_rms_mm", "mm", "error of the deviations by the pose, RMS over the points"});
   list.push_back({"deviation_error_largest_mm", "mm", "the same, largest by size, signed"});
-  for (const std::uint32_t surface : study.surfaces) {
+  for (const std::uint32_t surface : selected.surfaces) {
     list.push_back({fmt::format("surface_{}_mean_error_mm", surface), "mm",
                     "error of the deviations by the pose, mean over the surface's points"});
     list.push_back(
         {fmt::format("surface_{}_largest_error_mm", surface), "mm", "the same, largest by size, signed"});
   }
-  for (const ProfileQuantity& profile : study.profiles)
+  for (const SelectedProfile& profile : selected.profiles)
     list.push_back({fmt::format("profile_{}_error_mm", profile.name), "mm",
                     "profile of the surface as reported minus the true one, noise included"});
   return list;
 }
 
-std::vector<double> values_of_view(const StudySpec& study, const Scenario& scenario,
+std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scenario& scenario,
                                    const RegistrationTarget& target, const FacetModel& model,
                                    const RegisteredPoints& registered, const ScanPoints& scan,
                                    const RegistrationResult& result, const std::vector<bool>& wanted) {
@@ -135,7 +158,7 @@ std::vector<double> values_of_view(const StudySpec& study, const Scenario& scena
 
   // rms, min and max are 10 to 12; the profiles stand at the end.
   std::optional<ReportedDeviations> reported;
-  const bool profiles_wanted = any_wanted(wanted.size() - study.profiles.size(), study.profiles.size());
+  const bool profiles_wanted = any_wanted(wanted.size() - selected.profiles.size(), selected.profiles.size());
   if (any_wanted(values.size(), 3) || profiles_wanted)
     reported = report(target, scenario, scan, result.part_from_mcs);
   values.push_back(reported ? reported->statistics.rms_mm : kNoValue);
@@ -166,12 +189,12 @@ std::vector<double> values_of_view(const StudySpec& study, const Scenario& scena
   }
   values.push_back(all.rms_mm());
   values.push_back(all.largest_mm());
-  for (const std::uint32_t surface : study.surfaces) {
+  for (const std::uint32_t surface : selected.surfaces) {
     values.push_back(by_surface[surface].mean_mm());
     values.push_back(by_surface[surface].largest_mm());
   }
 
-  for (const ProfileQuantity& profile : study.profiles) {
+  for (const SelectedProfile& profile : selected.profiles) {
     if (!reported) {
       values.push_back(kNoValue);
       continue;

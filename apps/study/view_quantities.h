@@ -12,8 +12,24 @@
 
 namespace trueblade {
 
+struct SelectedProfile {
+  std::string name;
+  std::vector<std::uint32_t> surfaces;  // none: all
+  bool operator==(const SelectedProfile&) const = default;
+};
+
+// The surfaces of a part that the study names.
+struct SelectedSurfaces {
+  std::vector<std::uint32_t> surfaces;  // in the order of the file
+  std::vector<SelectedProfile> profiles;
+  bool operator==(const SelectedSurfaces&) const = default;
+};
+
+// Throws InputError naming file, line and surface when the part has no such surface.
+SelectedSurfaces selected_surfaces(const StudySpec& study, const Part& part);
+
 // What is kept of every view, whatever the study, in a fixed order; names without the view.
-std::vector<Quantity> view_quantities(const StudySpec& study);
+std::vector<Quantity> view_quantities(const SelectedSurfaces& selected);
 
 // A usable sample, as the evaluation of a study needs it.
 struct TruePoint {
@@ -30,7 +46,7 @@ struct RegisteredPoints {
 
 // The values of view_quantities, NaN where a quantity does not exist. `wanted`: which of them; the costly
 // ones are left out otherwise. `model` is the facet model of the true part, to which the hits belong.
-std::vector<double> values_of_view(const StudySpec& study, const Scenario& scenario,
+std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scenario& scenario,
                                    const RegistrationTarget& target, const FacetModel& model,
                                    const RegisteredPoints& registered, const ScanPoints& scan,
                                    const RegistrationResult& result, const std::vector<bool>& wanted);

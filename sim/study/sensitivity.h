@@ -14,7 +14,7 @@ namespace trueblade {
 
 struct SobolIndex {
   double first_order;
-  double first_order_error;  // standard error
+  double first_order_error;  // standard error by the jackknife over the trials
   double total;
   double total_error;
 };

@@ -6,10 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "apps/run_folder.h"
+#include "tests/apps/browser.h"
 #include "tests/apps/sample_inputs.h"
 
 namespace trueblade {
@@ -25,10 +25,6 @@ constexpr const char* kInspection = R"(inspection:
     - {name: unknown, surfaces: ["7"], tolerance_mm: [-0.05, 0.05]}
   sections: {heights_mm: [5, 50], half_width_mm: 0.5}
 )";
-
-bool succeeds(const std::string& command) {
-  return std::system((command + " >/dev/null 2>&1").c_str()) == 0;
-}
 
 class ReportTest : public testing::Test {
  protected:
@@ -72,23 +68,9 @@ TEST_F(ReportTest, TheResultKeepsItsSchema) {
 }
 
 TEST_F(ReportTest, OpensInARealBrowser) {
-  if (!succeeds("command -v chromium")) GTEST_SKIP() << "chromium is not installed";
-  const std::filesystem::path dom = folder_ / "dom.html", log = folder_ / "browser.log";
-  const std::string command =
-      "timeout 100 chromium --headless=new --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
-      "--enable-unsafe-swiftshader --window-size=1400,1000 --enable-logging=stderr "
-      "--virtual-time-budget=20000 "
-      "--user-data-dir=" +
-      (folder_ / "profile").string() + " --dump-dom 'file://" + (folder_ / "run/report.html").string() +
-      "#selftest' >" + dom.string() + " 2>" + log.string();
-  ASSERT_EQ(std::system(command.c_str()), 0) << text_of(log);
-  EXPECT_EQ(text_of(log).find("CONSOLE"), std::string::npos) << text_of(log);
-  const std::string page = text_of(dom);
-  const std::string mark = "<pre id=\"selftest\">";
-  const std::size_t begin = page.find(mark);
-  ASSERT_NE(begin, std::string::npos) << "the page did not run to its end";
-  const std::size_t end = page.find("</pre>", begin);
-  const Json found = Json::parse(page.substr(begin + mark.size(), end - begin - mark.size()));
+  if (!has_browser()) GTEST_SKIP() << "chromium is not installed";
+  const Json found = self_test(folder_, "run/report.html");
+  ASSERT_TRUE(found.is_object());
   EXPECT_TRUE(found["errors"].empty()) << found;
   ASSERT_TRUE(found["webgl"].get<bool>()) << found;
   EXPECT_GT(found["points"].get<int>(), 500);

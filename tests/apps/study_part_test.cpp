@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -149,12 +150,36 @@ TEST_F(StudyPartTest, WhatOneViewCannotMeasureIsCounted) {
                                 "quantities: [section_30_chord_error_mm, front.rms_mm]\n");
   const ChildResult result = run({"one.yaml", "--trials", "4", "--out", "run"});
   EXPECT_EQ(result.exit_code, 0) << result.err;
-  EXPECT_NE(result.out.find("no part.section_30_chord_error_mm in scenario: 4 of 4, first trial 0"),
+  EXPECT_NE(result.out.find("No value of part.section_30_chord_error_mm: 4 of 4, first trial 0"),
             std::string::npos)
       << result.out;
   const Json quantities = Json::parse(text_of(folder_ / "run/study.json"))["cases"][0]["quantities"];
   EXPECT_EQ(quantities["front.rms_mm"]["values"], 4);
   EXPECT_EQ(quantities["part.section_30_chord_error_mm"]["values"], 0);
+}
+
+TEST_F(StudyPartTest, SurfacesAreNamedAsInAnInspection) {
+  folder_.write("named.yaml", R"(scenario: vane.yaml
+trials: 1
+set: [{field: scan.spacing_mm, value: 3}]
+surfaces: ["1", root]
+profiles: [{name: airfoil, surfaces: [bl*]}, {name: ids, surfaces: [1]}, {name: all}]
+)");
+  const ChildResult result = run({"named.yaml", "--csv", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  std::istringstream csv(text_of(folder_ / "run/trials.csv"));
+  std::string names, values, name, value;
+  std::getline(csv, names);
+  std::getline(csv, values);
+  std::map<std::string, double> found;
+  std::istringstream heads(names), cells(values);
+  while (std::getline(heads, name, ',') && std::getline(cells, value, ','))
+    if (name.starts_with("front.profile_") || name.starts_with("front.surface_"))
+      found[name] = std::stod(value);
+  EXPECT_EQ(found.count("front.surface_0_mean_error_mm"), 1u) << names;
+  EXPECT_LT(names.find("front.surface_1_mean_error_mm"), names.find("front.surface_0_mean_error_mm"));
+  EXPECT_EQ(found.at("front.profile_airfoil_error_mm"), found.at("front.profile_ids_error_mm"));
+  EXPECT_NE(found.at("front.profile_all_error_mm"), 0.0);
 }
 
 TEST_F(StudyPartTest, BadInput) {
@@ -169,6 +194,19 @@ TEST_F(StudyPartTest, BadInput) {
   expect_refused("set: [{field: inspection.sections.heights_mm, value: \"[50]\"}]\n", "no closed outline");
   expect_refused("set: [{field: inspection.datum_surfaces, value: \"[foot]\"}]\n",
                  "surface \"foot\" does not exist");
+  // The part has two surfaces.
+  expect_refused("surfaces: [0, 300]\n",
+                 "bad.yaml:3: surfaces: surface \"300\" does not exist: the part has surfaces 0 to 1");
+  expect_refused("profiles:\n  - {name: a, surfaces: [root]}\n  - {name: b, surfaces: [foot*]}\n",
+                 "bad.yaml:5: profile b: surface \"foot*\" does not exist");
+  // Another part of which the root is the second surface.
+  std::string other = vane_obj();
+  other.replace(other.find("g root"), 6, "g tip");
+  other.replace(other.find("g blade"), 7, "g root");
+  folder_.write("other.obj", other);
+  expect_refused(
+      "surfaces: [root]\ncases: [{name: a}, {name: b, set: [{field: part.file, value: other.obj}]}]\n",
+      "surfaces and profiles name other surfaces in case \"b\" than in case \"a\"");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // Studies as a user runs them: the same rows for any number of threads, for interrupted and resumed, merged
 // and MPI runs; one trial shown alone; what the statement says; bad input.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "tests/apps/browser.h"
 #include "tests/apps/sample_inputs.h"
 
 namespace trueblade {
@@ -188,6 +190,107 @@ TEST_F(StudyTest, StatementComparisonAndPage) {
   EXPECT_NE(page.find(json["rows_hash"].get<std::string>()), std::string::npos);
 }
 
+// Who has nothing but the printed text.
+TEST_F(StudyTest, ThePrintedStatementIsWhole) {
+  std::string study = kStudy;
+  study.insert(study.find("headline:"),
+               "  - {name: a case whose name has more letters than the column has places}\n");
+  write("study.yaml", study);
+  const ChildResult result = run({"study.yaml", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json json = document("run");
+  for (const std::string& words :
+       {std::string("scan.spacing_mm = 2.0"),
+        std::string("M = 40 trials from trial 0, seed 3, generator Philox"),
+        "trueblade " + json["program_version"].get<std::string>(), rows("run"),
+        std::string("Coverage probability 90 %, GUM Supplement 1"), std::string("symmetric interval"),
+        std::string("shortest interval"), std::string("All cases: front.error_translation_x_mm"),
+        std::string("Case \"weighted\"\n"),
+        std::string("Case \"uniform\": registration.weights.source = uniform\n"), std::string("u / bound"),
+        std::string("The reported covariance of view front, stated to cover 90 %, covers the true pose in"),
+        // Too long for its column: a line of its own.
+        std::string("\na case whose name has more letters than the column has places\n  "),
+        std::string("The same trials, \"uniform\" minus \"weighted\"\n"), std::string("90 % confidence"),
+        std::string("The same in every pair: front.points"),
+        std::string("fixture_x: fixture on table, shift along x of the fixture\n"
+                    "      normal, mean 0, standard deviation 0.1 mm; drawn once for each trial; stated in"),
+        std::string("EXX:")})
+    EXPECT_NE(result.out.find(words), std::string::npos) << words << '\n' << result.out;
+
+  // Every case in full, the failed trials with it.
+  for (const Json& item : json["cases"]) {
+    const std::size_t begin = result.out.find("Case \"" + item["name"].get<std::string>());
+    const std::string text = result.out.substr(begin, result.out.find("\nCase ", begin) - begin);
+    for (const auto& [name, quantity] : item["quantities"].items())
+      EXPECT_NE(text.find("\n" + name + ' '), std::string::npos) << name;
+    EXPECT_NE(text.find(item["failures"].empty() ? "No trial failed" : "Failed: "), std::string::npos)
+        << text;
+  }
+  // The mean of a signed error is a bias; that of a size is not.
+  EXPECT_TRUE(json["cases"][0]["quantities"]["front.error_translation_x_mm"].contains("bias"));
+  EXPECT_FALSE(json["cases"][0]["quantities"]["front.translation_error_mm"].contains("bias"));
+
+  std::istringstream lines(result.out);
+  for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 150u) << line;
+}
+
+TEST_F(StudyTest, ThePageOpensInARealBrowser) {
+  if (!has_browser()) GTEST_SKIP() << "chromium is not installed";
+  write("page.yaml",
+        std::string(kStudy) +
+            "budget: [one_at_a_time, sobol]\n"
+            "quantities: [error_translation_x_mm, error_translation_y_mm, error_translation_z_mm, "
+            "u_translation_x_mm, u_translation_y_mm, u_translation_z_mm, "
+            "reported_correlation_translation_xy, reported_correlation_translation_xz, "
+            "reported_correlation_translation_yz]\n"
+            "sweep: [{field: machine.lens.accuracy_mm, values: [0.003, 0.006]}]\n");
+  ASSERT_EQ(run({"page.yaml", "--out", "run"}).exit_code, 0);
+  const Json found = self_test(folder_, "run/study.html");
+  ASSERT_TRUE(found.is_object());
+  EXPECT_TRUE(found["errors"].empty()) << found;
+  EXPECT_EQ(found["abscissa"], "machine.lens.accuracy_mm");
+  EXPECT_EQ(found["statement_rows"], document("run")["cases"][0]["quantities"].size());
+  for (const char* chart :
+       {"histogram", "convergence", "sweep", "budget", "scatter_front_xy", "scatter_turned_xy"})
+    // Lines of two pixels across a hundred, or forty points of four pixels.
+    EXPECT_GT(found["painted"].value(chart, 0), 150) << chart << found;
+}
+
+TEST_F(StudyTest, InfluencesOfEveryCaseAreDeclared) {
+  write("cases.yaml", R"(scenario: cube.yaml
+trials: 1
+set: [{field: machine.simulation.errors.fixture_x, value: "{sigma_mm: 0.1}"}]
+cases:
+  - {name: as it is}
+  - name: other errors
+    set:
+      - {field: machine.simulation.errors.fixture_y, value: "{mean_mm: 0}"}
+      - {field: machine.simulation.form_errors, value: "[{kind: random, amplitude_mm: 0.01}]"}
+sweep: [{field: machine.lens.accuracy_mm, values: [0.003, 0.005]}]
+)");
+  const ChildResult result = run({"cases.yaml", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json influences = document("run")["influences"];
+  const auto find = [](const Json& list, const std::string& of_case, const std::string& name) {
+    for (const Json& item : list)
+      if (item.value("case", "") == of_case && item["influence"].get<std::string>().starts_with(name))
+        return item;
+    return Json();
+  };
+  EXPECT_EQ(find(influences["covered"], "", "fixture_x")["provenance"], "stated in cases.yaml");
+  EXPECT_EQ(find(influences["covered"], "", "fixture_c")["provenance"], "stated in cube.yaml");
+  const Json& differences = influences["differences"];
+  EXPECT_EQ(differences.size(), 1u + 2u + 3u) << differences;
+  const Json noise = find(differences, "as it is, accuracy_mm 0.005", "sensor: noise");
+  EXPECT_NE(noise["distribution"].get<std::string>().find("standard deviation 0.005 mm"), std::string::npos);
+  EXPECT_EQ(find(differences, "other errors, accuracy_mm 0.003", "fixture_y")["distribution"],
+            "none: not covered");
+  EXPECT_EQ(find(differences, "other errors, accuracy_mm 0.003", "form error 1")["distribution"],
+            "kind: random, amplitude_mm: 0.01, correlation_length_mm: 10");
+  EXPECT_NE(result.out.find("case \"as it is, accuracy_mm 0.005\", sensor: noise"), std::string::npos)
+      << result.out;
+}
+
 TEST_F(StudyTest, BudgetFindsTheSourceThatMatters) {
   // The offset of the sensor shifts the scan along the beam and the registration takes it for a place of the
   // part; the fixture's error is registered away.
@@ -208,6 +311,24 @@ headline: front.translation_error_mm
   EXPECT_EQ(budget["sources"].size(), 3u);
   EXPECT_GT(budget["sources"][0]["total"].get<double>(), 0.8);
   for (std::size_t k = 1; k < 3; ++k) EXPECT_LT(budget["sources"][k]["total"].get<double>(), 0.2);
+  // What 60 trials know of an index stands beside it, in the text too.
+  for (const Json& source : budget["sources"])
+    for (const char* error : {"first_order_error", "total_error"}) {
+      EXPECT_GT(source[error].get<double>(), 0.0) << source;
+      EXPECT_NE(result.out.find(fmt::format("{:.4g}", source[error].get<double>())), std::string::npos)
+          << source;
+    }
+}
+
+TEST_F(StudyTest, TheShippedBudgetRuns) {
+  // Two trials are the least that have a variance.
+  const ChildResult result =
+      run({TRUEBLADE_SOURCE_DIR "/scenarios/studies/budget.yaml", "--trials", "2", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.out.find("provenance of the machine's errors: assumed"), std::string::npos) << result.out;
+  const Json budget = document("run")["budget"]["together.error_translation_y_mm"];
+  EXPECT_EQ(budget["sources"].size(), 15u) << budget;
+  for (const Json& source : budget["sources"]) EXPECT_TRUE(source.contains("total_error")) << source;
 }
 
 TEST_F(StudyTest, AdaptiveNumberOfTrials) {
@@ -259,7 +380,39 @@ TEST_F(StudyTest, StopsEarlyWhenEveryTrialFails) {
         std::string(kStudy) + "sweep: [{field: registration.termination.maximum_iterations, values: [1]}]\n");
   const ChildResult result = run({"hopeless.yaml", "--trials", "100000", "--out", "run"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_NE(result.err.find("all of its first 100 trials failed"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("all of its first 100 trials failed, first trial 0: "), std::string::npos)
+      << result.err;
+  // By number, whatever else is done.
+  const ChildResult later =
+      run({"hopeless.yaml", "--trials", "37:100000", "--threads", "3", "--out", "later"});
+  EXPECT_NE(later.err.find("first trial 37: "), std::string::npos) << later.err;
+}
+
+TEST_F(StudyTest, ScansThatMissThePartAreToldAsInAnInspection) {
+  write("elsewhere.yaml", R"(scenario: cube.yaml
+set: [{field: machine.simulation.errors.fixture_y, value: "{mean_mm: -60}"}]
+)");
+  const ChildResult result = run({"elsewhere.yaml", "--trials", "3", "--out", "run"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  const Json failures = document("run")["cases"][0]["failures"];
+  ASSERT_EQ(failures.size(), 1u) << failures;
+  const std::string reason = failures[0]["reason"];
+  EXPECT_NE(reason.find("view front: none of "), std::string::npos) << reason;
+  EXPECT_TRUE(reason.ends_with("does the part stand where mcs_from_part says?")) << reason;
+  // The same words in an inspection.
+  write("elsewhere_scenario.yaml",
+        std::string(kCubeScenario).replace(std::string(kCubeScenario).find("-0.3}"), 4, "-60"));
+  EXPECT_NE(run_trueblade({"inspect", "elsewhere_scenario.yaml", "--out", "inspected"}, folder_.path())
+                .err.find(reason),
+            std::string::npos);
+}
+
+TEST_F(StudyTest, ProgressSaysNoUncertaintyOfOneTrial) {
+  const ChildResult one = run({"study.yaml", "--trials", "1", "--out", "one"});
+  EXPECT_NE(one.err.find("1 of 1 trials"), std::string::npos) << one.err;
+  EXPECT_NE(one.err.find(": mean "), std::string::npos) << one.err;
+  EXPECT_EQ(one.err.find(", u "), std::string::npos) << one.err;
+  EXPECT_NE(run({"study.yaml", "--trials", "2", "--out", "two"}).err.find(", u "), std::string::npos);
 }
 
 TEST_F(StudyTest, ATrialThatLeavesThePoseUndeterminedIsAFailure) {

@@ -45,6 +45,44 @@ TEST(SobolIndex, LinearModelSharesItsVariance) {
   }
 }
 
+// Few trials of y = 4 x1 + 2 x2, normal, whose indices are 0.8 and 0.2: over many repetitions the indices
+// must scatter as their standard errors say.
+TEST(SobolIndex, ScattersAsItsStandardErrorSays) {
+  constexpr std::size_t kFew = 20, kRepetitions = 2000;
+  const std::array<double, 2> factor{4.0, 2.0}, share{0.8, 0.2};
+  for (std::size_t source = 0; source < 2; ++source) {
+    std::vector<SobolIndex> found;
+    for (std::size_t r = 0; r < kRepetitions; ++r) {
+      std::vector<double> a(kFew), b(kFew), ab(kFew);
+      for (std::size_t i = 0; i < kFew; ++i) {
+        Rng rng(r, i, "A and B");
+        std::array<double, 2> x{rng.normal(), rng.normal()}, y{rng.normal(), rng.normal()};
+        a[i] = factor[0] * x[0] + factor[1] * x[1];
+        b[i] = factor[0] * y[0] + factor[1] * y[1];
+        x[source] = y[source];
+        ab[i] = factor[0] * x[0] + factor[1] * x[1];
+      }
+      found.push_back(sobol_index(a, b, ab));
+    }
+    const auto expect_agreement = [&](double SobolIndex::*index, double SobolIndex::*error) {
+      double mean = 0.0, squares = 0.0, stated = 0.0;
+      for (const SobolIndex& one : found) {
+        mean += one.*index / kRepetitions;
+        stated += one.*error / kRepetitions;
+      }
+      for (const SobolIndex& one : found) squares += (one.*index - mean) * (one.*index - mean);
+      const double scatter = std::sqrt(squares / (kRepetitions - 1));
+      // The scatter of 2,000 values is known to 1.6 % where they are normal; these have longer tails.
+      // Observed: within 4 %, where error propagation states 8 to 10 % too little.
+      EXPECT_NEAR(stated, scatter, 0.06 * scatter) << source;
+      // Ratios of means are biased by the order of 1 / n.
+      EXPECT_NEAR(mean, share[source], 1.0 / kFew) << source;
+    };
+    expect_agreement(&SobolIndex::first_order, &SobolIndex::first_order_error);
+    expect_agreement(&SobolIndex::total, &SobolIndex::total_error);
+  }
+}
+
 TEST(SobolIndex, IshigamiFunction) {
   // sin x1 + a sin^2 x2 + b x3^4 sin x1 over (-pi, pi), the usual test; its indices are known (Homma and
   // Saltelli 1996).
