@@ -1,7 +1,7 @@
 // "Perfect" measurements of the exact blade (paper, Fig. 5c): their deviations from the facets show the
 // facets' error alone, those from the exact surfaces none.
 //
-//   sim_chord_error > results/sim/chord_error.md
+//   build/release/bench/sim_chord_error > results/sim/chord_error.md
 #include <fmt/core.h>
 
 #include <array>

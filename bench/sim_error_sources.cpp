@@ -2,7 +2,7 @@
 // back against its closed form. Prints a table; exits with 1 when a source is off by more than 4 standard
 // errors.
 //
-//   sim_error_sources > results/sim/error_sources.md
+//   build/release/bench/sim_error_sources > results/sim/error_sources.md
 #include <fmt/core.h>
 
 #include "tests/sim/error_effects.h"

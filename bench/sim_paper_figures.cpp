@@ -2,7 +2,7 @@
 // and Fig. 7 (a blade with its platform shifted and the bottom of its airfoil protruded, from front and
 // back).
 //
-//   sim_paper_figures results/paper
+//   build/release/bench/sim_paper_figures results/paper
 #include <fmt/core.h>
 
 #include <fstream>

@@ -1,7 +1,7 @@
 // Draws the sensor model: signal, SNR and sigma over incidence for three finishes, and over the working
 // range.
 //
-//   sim_sensor_model > results/sim/sensor_model.svg
+//   build/release/bench/sim_sensor_model > docs/sensor_model.svg
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // Does weighting by SNR help? The same scans registered with and without SNR weights; the sensor's noise
 // depends on incidence, place in the range and speckle, and its SNR knows it.
 //
-//   sim_snr_weights [TRIALS] > results/sim/snr_weights.md
+//   build/release/bench/sim_snr_weights [TRIALS] > results/sim/snr_weights.md
 #include <fmt/core.h>
 
 #include <cstdlib>

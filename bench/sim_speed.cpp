@@ -1,6 +1,6 @@
 // Complete virtual measurements per second against bare Embree rays, on the same rays in one run.
 //
-//   sim_speed SCANNED_BLADE.ply > results/sim/speed.md
+//   build/release/bench/sim_speed SCANNED_BLADE.ply > results/sim/speed.md
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 #include <tbb/global_control.h>
