@@ -174,7 +174,9 @@ void add_register_command(CLI::App& app, CommandLine& line) {
           ->type_name("FILE")
           ->excludes(preset_option);
   CLI::Option* out_option =
-      command->add_option("--out", options->out, "Folder for result.json and deviations_scan.ply")
+      command
+          ->add_option("--out", options->out,
+                       "Folder for result.json, deviations_scan.ply, report.html and the CSV tables")
           ->type_name("DIR");
   CLI::Option* cross_check_flag = command->add_flag("--cross-check", options->cross_check,
                                                     "Compare the result with independent answers by Ceres");

@@ -158,6 +158,10 @@ Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal)
 }
 
 void Measurement::keep_journal(const std::filesystem::path& file, bool resume) {
+  if (scenario_.machine.backend == "recorded" && std::filesystem::exists(file) &&
+      std::filesystem::equivalent(file, scenario_.machine.journal))
+    throw InputError(fmt::format(
+        "{}: is being replayed and cannot be written at the same time: choose another --out", file.string()));
   const JournalWriter::Durability durability = durability_of(scenario_);
   if (resume && std::filesystem::exists(file)) {
     session_->before = read_journal(file);

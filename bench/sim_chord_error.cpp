@@ -36,7 +36,8 @@ double mean_square_by_theory_mm2(const Part& part, std::uint32_t facet) {
 
 int main() {
   fmt::print(
-      "# Facet error alone: perfect measurements of the exact blade\n\nMade by `sim_chord_error`. No error "
+      "# Facet error alone: perfect measurements of the exact blade\n\nMade by "
+      "`build/release/bench/sim_chord_error > results/sim/chord_error.md`.\n\nNo error "
       "of any "
       "kind; front view of the demonstration blade at 0.7 mm. The beam meets the\nB-spline surfaces; "
       "deviations are "

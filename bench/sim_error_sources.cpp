@@ -12,7 +12,8 @@ int main() {
   constexpr std::size_t kPoints = 10'001;
   fmt::print("# Each error source alone: observed against its closed form\n\n");
   fmt::print(
-      "Made by `sim_error_sources`. One source at a time is drawn for each of 10,000 points on a tilted "
+      "Made by `build/release/bench/sim_error_sources > results/sim/error_sources.md`.\n\nOne source at a "
+      "time is drawn for each of 10,000 points on a tilted "
       "plane;\neverything else is perfect. The value of the source is recovered from the reported points "
       "through its closed\nform (shift along its direction, angle times lever arm, ...). The last columns "
       "are the mean and the standard\ndeviation of the recovered values, in standard errors from what was "

@@ -207,7 +207,8 @@ void Figures::defective_blade() {
 }
 
 std::string Figures::text() const {
-  return "# The paper's figures 5, 6 and 7, made by the virtual machine\n\nMade by `sim_paper_figures "
+  return "# The paper's figures 5, 6 and 7, made by the virtual machine\n\nMade by "
+         "`build/release/bench/sim_paper_figures "
          "results/paper`.\n\n| picture | shows | points | RMS mm | mean mm | min mm | max mm |\n"
          "|---|---|---|---|---|---|---|\n" +
          rows_ + remarks_;

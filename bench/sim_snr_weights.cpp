@@ -12,7 +12,8 @@ int main(int argc, char** argv) {
   using namespace trueblade;
   const int trials = argc > 1 ? std::atoi(argv[1]) : 200;
   fmt::print(
-      "# Pose error with and without SNR weights\n\nMade by `sim_snr_weights {}`. Front view of the "
+      "# Pose error with and without SNR weights\n\nMade by `build/release/bench/sim_snr_weights {} > "
+      "results/sim/snr_weights.md`.\n\nFront view of the "
       "demonstration blade at 1.5 mm, 25 mm lens, fixture error of 0.1 mm\nand 0.1 degrees; {} trials, each "
       "scan "
       "registered with both. Pose error: root mean square over the trials of the\nmean displacement of the "

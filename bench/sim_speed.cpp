@@ -171,7 +171,9 @@ int main(int argc, char** argv) {
   }
   fmt::print(
       "# Speed of complete virtual measurements\n\n"
-      "Made by `sim_speed turbineblade.ply`. Millions per second, best of nine, all on the same rays (about "
+      "Heading and table by `build/release/bench/sim_speed "
+      "../shared/data/blade_scan/turbineblade.ply`.\n\nMillions per second, best of nine, all on the same "
+      "rays (about "
       "100,000 of one view). A\nmeasurement is: motion and clock, 53 error sources (11 drawn for every "
       "point), "
       "the ray, the hit in double, spot and\nedge check, signal, noise, SNR, flags, truth, and delivery "

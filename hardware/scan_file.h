@@ -6,7 +6,7 @@
 //
 // `cell` is row * columns + column of the organised grid, `sample` the number in the order taken, so that
 // nothing of a ViewScan is lost. `quality` repeats the SNR under the name that MeshLab shows. The header's
-// comments carry unit, view, grid and program version. Columns in docs/formats.md.
+// comments carry unit, view and grid. Columns in docs/formats.md.
 #pragma once
 
 #include <filesystem>

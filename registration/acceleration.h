@@ -3,7 +3,7 @@
 //
 // The registration vector of a pose is its unit quaternion and the position of the scan's centroid in the
 // part frame. Taking the centroid as origin makes the vector independent of where the measurement coordinate
-// system lies (correction 8 in docs/paper.md).
+// system lies (docs/paper.md).
 #pragma once
 
 #include <optional>

@@ -87,6 +87,11 @@ TEST(Replay, GivesTheSameReport) {
       run_trueblade({"inspect", "replay/resolved.yaml", "--out", "again"}, folder.path());
   EXPECT_EQ(again.exit_code, 0) << again.err;
 
+  const ChildResult over_itself = run_trueblade({"inspect", "replay.yaml", "--out", "whole"}, folder.path());
+  EXPECT_EQ(over_itself.exit_code, 2);
+  EXPECT_NE(over_itself.err.find("is being replayed"), std::string::npos) << over_itself.err;
+  EXPECT_TRUE(read_journal(folder / "whole/scan.journal").views.back().complete);
+
   tear(folder / "whole/scan.journal", 5000);
   const ChildResult torn = run_trueblade({"inspect", "replay.yaml", "--out", "replay"}, folder.path());
   EXPECT_EQ(torn.exit_code, 3);
