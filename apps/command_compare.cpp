@@ -237,7 +237,8 @@ void add_compare_command(CLI::App& app, CommandLine& line) {
   command->add_option("run_b", options->second, "Folder of the second run")->required()->type_name("DIR");
   command->add_flag("--json", line.json, "Print the changes as JSON on standard output");
   command->footer(R"(
-Numbers that are in both runs and differ, view by view, section by section. Lengths in mm, angles in rad.
+Numbers that are in both runs and differ, view by view, section by section. Lengths in mm, angles in rad. A pose is that of
+the second run relative to the first, about the scan's centroid: it tells how the part stood, not what it is.
 
 Example:
   trueblade compare results/runs/monday results/runs/friday)");

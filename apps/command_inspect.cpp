@@ -40,7 +40,7 @@ bool tell_verdict(const Scenario& scenario, const ViewResult& view) {
   const bool tolerance_kept = !tolerance || keeps_tolerance(view, *tolerance);
   const auto& cross_check = view.registration.cross_check;
   if (cross_check && cross_check->agrees)
-    spdlog::info("view {}: the cross-check agrees: {}", view.view, cross_check->summary);
+    spdlog::info("view {}: the cross-check {}", view.view, cross_check->summary);
   return tolerance_kept && is_converged(view.registration.termination) &&
          (!cross_check || cross_check->agrees);
 }
@@ -88,7 +88,8 @@ void print_run(const InspectionRun& run, const std::filesystem::path& folder) {
   fmt::print(R"(
 RMS, min and max are signed distances of the measured points from the nominal surface after registration, positive
 outside the material; points beyond 3 standard deviations (black in the picture) are left out. The initial RMS is
-that of the machine set-up alone. The pose error compares with the true pose, which only a simulation knows.
+that of the machine set-up alone. The pose error, at the scan's centroid, compares with the true pose, which only a
+simulation knows. Time is that of the registration.
 )");
   print_files(run.result, folder);
 }

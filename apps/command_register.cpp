@@ -8,6 +8,7 @@
 #include "apps/evaluate_view.h"
 #include "apps/pose_file.h"
 #include "apps/registration_fields.h"
+#include "apps/run_folder.h"
 #include "apps/run_report.h"
 #include "apps/version.h"
 #include "geometry/atomic_file.h"
@@ -65,6 +66,23 @@ struct Input {
   ScanPose pose;
 };
 
+// A scan may be of a small place, but hardly larger than the part, unless the unit is wrong.
+void check_size(const Input& input, const RegisterOptions& options) {
+  constexpr double kLargest = 3.0;  // with a part of the fixture in it
+  constexpr double kSmallest =
+      0.02;  // a thousandth is another unit; a scan this small leaves most of a pose open
+  Eigen::AlignedBox3d scan;
+  for (const Vec3& point : input.scan.position_mcs_mm) scan.extend(point);
+  const double scan_mm = scan.sizes().norm();
+  const double part_mm = (input.part.model.upper_corner_mm() - input.part.model.lower_corner_mm()).norm();
+  const std::string sizes = fmt::format(
+      "{}: the scan's box is {:.3g} mm across, the part's {:.3g} mm: are --scan-unit "
+      "and --unit right?",
+      options.scan_file, scan_mm, part_mm);
+  if (scan_mm > kLargest * part_mm) throw InputError(sizes);
+  if (scan_mm < kSmallest * part_mm) spdlog::warn("{}", sizes);
+}
+
 Input read_input(const RegisterOptions& options) {
   Input input;
   if (!options.initial_file.empty()) input.pose = read_scan_pose(options.initial_file);
@@ -82,6 +100,7 @@ int run_registration(const RegisterOptions& options, bool json) {
   const Input input = read_input(options);
   if (!options.out.empty()) create_output_folder(options.out);
 
+  check_size(input, options);
   const RegistrationTarget target(input.part);
   ViewEvaluationOptions evaluation;
   evaluation.registration = registration.options;
@@ -89,6 +108,8 @@ int run_registration(const RegisterOptions& options, bool json) {
                                            input.pose.true_part_from_mcs);
   InspectionResult result;
   result.run.program_version = fmt::format("{} ({})", program_version(), program_commit());
+  result.run.date = date_now();
+  result.run.machine = "points of " + options.scan_file;
   result.run.part = options.part_file;
   result.run.surfaces = input.part.surfaces.size();
   result.run.facets = input.part.model.facet_count();
@@ -104,11 +125,17 @@ int run_registration(const RegisterOptions& options, bool json) {
   else
     fmt::print("{}", inspection_table(result));
   const auto& cross_check = view.result.registration.cross_check;
-  if (!json && cross_check && cross_check->agrees)
-    fmt::print("The cross-check agrees: {}\n", cross_check->summary);
+  if (!json && cross_check && cross_check->agrees) fmt::print("The cross-check {}\n", cross_check->summary);
+  if (view.result.registration.shows_misfit)
+    spdlog::warn(
+        "neighbouring residuals agree: the scan does not fit the part everywhere. Either the part has form "
+        "errors of the "
+        "size of the RMS, or it is another part, or the scan lay too far away (--initial says where it "
+        "lies)");
   for (const std::string& caution : cautions(view.result)) spdlog::warn("{}", caution);
-  const bool sound =
-      is_converged(view.result.registration.termination) && (!cross_check || cross_check->agrees);
+  const bool determines_something = view.result.registration.undetermined.size() < 6;
+  const bool sound = is_converged(view.result.registration.termination) && determines_something &&
+                     (!cross_check || cross_check->agrees);
   return sound ? ExitCode::done : ExitCode::expectation_failed;
 }
 

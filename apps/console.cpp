@@ -13,6 +13,7 @@ void start_log() {
   // Tests run the command line several times in one process; the logger is made once.
   if (!spdlog::get("trueblade")) spdlog::set_default_logger(spdlog::stderr_color_mt("trueblade"));
   spdlog::set_pattern("trueblade: %^%v%$");
+  spdlog::set_level(spdlog::level::info);
 }
 
 Progress::Progress(std::string label) : label_(std::move(label)), terminal_(isatty(STDERR_FILENO) == 1) {}
@@ -22,7 +23,7 @@ Progress::~Progress() {
 }
 
 void Progress::report(std::size_t done, std::size_t total) {
-  if (total == 0) return;
+  if (total == 0 || !spdlog::should_log(spdlog::level::info)) return;
   // A bar has a hundred steps, plain lines come at every tenth.
   const std::size_t steps = terminal_ ? 100 : 10;
   const std::size_t step = done * steps / total;

@@ -1,16 +1,15 @@
 #include "apps/inspect_scenario.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 #include "apps/evaluate_view.h"
 #include "apps/interrupt.h"
 #include "apps/measure.h"
+#include "apps/run_folder.h"
 #include "apps/run_report.h"
 #include "apps/version.h"
 #include "geometry/atomic_file.h"
@@ -44,7 +43,7 @@ RunFacts run_facts(const Scenario& scenario, const Part& part) {
   run.program_version = fmt::format("{} ({})", program_version(), program_commit());
   run.scenario = scenario.name;
   run.seed = scenario.seed;
-  run.date = fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)));
+  run.date = date_now();
   run.machine = scenario.machine.backend;
   run.lens = scenario.machine.lens.name;
   run.part = title_of(scenario.part);

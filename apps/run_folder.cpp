@@ -1,7 +1,9 @@
 #include "apps/run_folder.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <ctime>
 #include <fstream>
 
 #include "geometry/error.h"
@@ -32,6 +34,10 @@ std::vector<float> floats(const std::vector<double>& values) {
 }
 
 }  // namespace
+
+std::string date_now() {
+  return fmt::format("{:%FT%TZ}", fmt::gmtime(std::time(nullptr)));
+}
 
 Json read_result(const std::filesystem::path& folder) {
   const std::string file = (folder / "result.json").string();

@@ -1,4 +1,4 @@
-// Reading what an inspection left in its run folder.
+// What an inspection leaves in its run folder, read back.
 #pragma once
 
 #include <filesystem>
@@ -8,6 +8,9 @@
 #include "inspection/report_html.h"
 
 namespace trueblade {
+
+// The date of a run, UTC, as result.json states it (ISO 8601).
+std::string date_now();
 
 // result.json of the folder. Throws InputError naming the file when it is missing, no JSON, no result of
 // trueblade, or of a newer schema than this program knows.

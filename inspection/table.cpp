@@ -57,7 +57,7 @@ std::string inspection_table(const InspectionResult& result) {
             fmt::format("{}", result.run.surfaces),
             fmt::format("{}", s.points),
             fmt::format("{}", s.left_out),
-            number(view.time.register_s, 2),
+            number(view.time.register_s, 3),
             number(s.rms_mm, 4),
             number(s.min_mm, 4),
             number(s.max_mm, 4),

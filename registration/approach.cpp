@@ -6,28 +6,12 @@
 namespace trueblade {
 namespace {
 
-// Neighbours of white noise correlate to 1 / sqrt(n), 0.05 for 500 points; those of a misfit nearly fully.
-constexpr double kMisfitCorrelation = 0.5;
 // A misfit leaves distances of the size of those at the start; below a tenth of them the start has explained
 // what there was.
 constexpr double kMisfitShare = 0.1;
 // Starts lie these many times the first RMS distance away: a surface that is hit at an angle is nearer than
 // the displacement, and points on a wrong surface are nearer still.
 constexpr double kStartDistances[] = {2.0, 5.0};
-
-// Correlation of the residuals of neighbouring points that take part.
-double neighbour_correlation(const RegistrationState& state) {
-  double product = 0.0, square = 0.0;
-  std::optional<double> previous;
-  for (std::size_t i = 0; i < state.weights.size(); ++i) {
-    if (!(state.weights[i] > 0.0)) continue;
-    const double d = state.correspondences.distance_mm[i];
-    if (previous) product += d * *previous;
-    square += d * d;
-    previous = d;
-  }
-  return square > 0.0 ? product / square : 0.0;
-}
 
 // Over all points that are eligible: outliers of a good pose weigh no more than those of another.
 double mean_distance_mm(const RegistrationState& state) {
@@ -39,9 +23,9 @@ double mean_distance_mm(const RegistrationState& state) {
   return weight > 0.0 ? sum / weight : std::numeric_limits<double>::infinity();
 }
 
-bool shows_misfit(const RegistrationState& state) {
+bool shows_misfit(const FacetModel& model, const RegistrationState& state) {
   return mean_distance_mm(state) > kMisfitShare * state.first_rms_mm &&
-         neighbour_correlation(state) > kMisfitCorrelation;
+         neighbour_correlation(model, state) > kMisfitCorrelation;
 }
 
 // One more start. Where it ends better than `state` it takes its place.
@@ -61,6 +45,23 @@ void start_from(const RegistrationProblem& problem, const WorkingScan& scan,
 
 }  // namespace
 
+double neighbour_correlation(const FacetModel& model, const RegistrationState& state) {
+  const Correspondences& c = state.correspondences;
+  double product = 0.0, square = 0.0;
+  std::optional<double> previous;
+  for (std::size_t i = 0; i < state.weights.size(); ++i) {
+    if (!(state.weights[i] > 0.0)) continue;
+    // The distance counts along the way from the closest point, which is the normal or its opposite.
+    const Vec3 way = c.jacobian.col(static_cast<Eigen::Index>(i)).tail<3>();
+    const bool outward = way.dot(model.facet_normal(c.closest[i].facet)) >= 0.0;
+    const double d = outward ? c.distance_mm[i] : -c.distance_mm[i];
+    if (previous) product += d * *previous;
+    square += d * d;
+    previous = d;
+  }
+  return square > 0.0 ? product / square : 0.0;
+}
+
 void approach(const RegistrationProblem& problem, const WorkingScan& scan, RegistrationState& state) {
   const RigidTransform initial = state.part_from_mcs;
   iterate(problem, scan, IterationGoal::near_the_minimum, false, state);
@@ -69,7 +70,7 @@ void approach(const RegistrationProblem& problem, const WorkingScan& scan, Regis
   for (const double times : kStartDistances)
     for (Eigen::Index k = 0; k < around.cols(); ++k)
       for (const double side : {1.0, -1.0}) {
-        if (!shows_misfit(state)) return;
+        if (!shows_misfit(problem.target.model(), state)) return;
         const Vec6 away = side * times * state.first_rms_mm * around.col(k);
         start_from(problem, scan, problem.motion.moved(initial, away, frame), state);
       }

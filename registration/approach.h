@@ -11,6 +11,12 @@
 
 namespace trueblade {
 
+// Noise correlates to 1 / sqrt(n), 0.05 for 500 points; a misfit nearly fully.
+inline constexpr double kMisfitCorrelation = 0.5;
+
+// Correlation of the signed residuals (positive outside the material) of neighbouring points that take part.
+double neighbour_correlation(const FacetModel& model, const RegistrationState& state);
+
 // Moves `state` from the initial pose to near the best minimum found on `scan` (spatial order). Where no
 // minimum shows a misfit this is one iterate() to near_the_minimum. state.work counts all starts,
 // state.iterations those of the start that was kept.

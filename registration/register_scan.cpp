@@ -88,8 +88,9 @@ void report_covariance(const RegistrationState& state, const WorkingScan& scan,
   result.undetermined = describe_undetermined(state.undetermined, frame);
 }
 
-RegistrationResult report(const WorkingScan& scan, std::size_t scan_size, const RegistrationState& state,
-                          const PoseCovariance& covariance, Termination termination) {
+RegistrationResult report(const FacetModel& model, const WorkingScan& scan, std::size_t scan_size,
+                          const RegistrationState& state, const PoseCovariance& covariance,
+                          Termination termination) {
   RegistrationResult result;
   result.part_from_mcs = state.part_from_mcs;
   result.termination = termination;
@@ -106,6 +107,10 @@ RegistrationResult report(const WorkingScan& scan, std::size_t scan_size, const 
   result.initial_rms_mm = state.first_rms_mm;
   result.weighted_rms_mm = state.fit.equations.weighted_rms_mm();
   result.rms_mm = unweighted_rms_mm(state);
+  // A nanometre is nobody's misfit: what a fit without noise leaves.
+  constexpr double kNothing_mm = 1e-6;
+  result.shows_misfit =
+      result.rms_mm > kNothing_mm && neighbour_correlation(model, state) > kMisfitCorrelation;
   report_covariance(state, scan, covariance, result);
   return result;
 }
@@ -160,7 +165,7 @@ RegistrationResult register_scan(const RegistrationTarget& target, const ScanPoi
                                   ? weakly_determined(covariance.scaled, state.determined, extent.radius_mm)
                                   : 0;
     if (weak == 0) {
-      RegistrationResult result = report(all, scan.size(), state, covariance, termination);
+      RegistrationResult result = report(target.model(), all, scan.size(), state, covariance, termination);
       if (options.cross_check) result.cross_check = cross_check_of(problem, all, state, covariance);
       return result;
     }

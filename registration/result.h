@@ -67,6 +67,8 @@ struct RegistrationResult {
   double initial_rms_mm = 0.0;
   double weighted_rms_mm = 0.0;  // what was minimised: sqrt(sum w d^2 / sum w) over the inliers
   double rms_mm = 0.0;           // unweighted RMS distance of the inliers
+  // The residuals of neighbouring inliers agree: form errors of the part, another part, or a wrong minimum.
+  bool shows_misfit = false;
 
   std::vector<UndeterminedDirection> undetermined;
   std::vector<IterationTrace> trace;

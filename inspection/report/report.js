@@ -424,10 +424,14 @@ const countHeadings = tolerance ? ['Within', 'Over', 'Under', 'Outliers outside'
 const countCells = t => !tolerance ? [] : t ? [percent(t.percent_within), percent(t.percent_over), percent(t.percent_under), t.outliers_outside] : Array(4).fill('\u2013');
 
 function viewTable() {
-  const headings = ['View', '', 'Before RMS', ...statisticsHeadings, ...countHeadings, 'RMS from facets', 'Planned', 'Out of range', 'Missed', 'Low signal', 'Rejected by registration'];
+  const headings = ['View', '', 'Before RMS', ...statisticsHeadings, ...countHeadings];
   const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? {text: 'converged', kind: 'good'} : {text: v.termination, kind: 'bad'},
-    mm(v.initial_rms_mm), ...statisticsCells(v.deviations), ...countCells(v.tolerance), mm(v.deviations_from_facets.rms_mm), v.samples.planned, v.samples.out_of_range, v.samples.missed, v.samples.low_signal, v.samples.left_out_by_registration]);
+    mm(v.initial_rms_mm), ...statisticsCells(v.deviations), ...countCells(v.tolerance)]);
   byId('view-table').append(table(headings, rows, 2));
+  // Points that came from elsewhere were planned by nobody.
+  if (!result.views.some(v => v.samples.planned)) return;
+  byId('view-table').append(table(['Samples of view', 'Planned', 'Out of range', 'Missed', 'Low signal', 'Points', 'Rejected by registration', 'RMS from facets'],
+    result.views.map(v => [v.view, v.samples.planned, v.samples.out_of_range, v.samples.missed, v.samples.low_signal, v.samples.points, v.samples.left_out_by_registration, mm(v.deviations_from_facets.rms_mm)]), 1));
 }
 
 function surfaceTable() {
@@ -495,11 +499,11 @@ function registrationFacts() {
     add('RMS before / after (weighted)', `${mm(v.initial_rms_mm)} / ${mm(v.weighted_rms_mm)} mm`);
     add('inliers / rejected', `${v.inliers} / ${v.outliers}`);
     const u = v.pose_covariance.map((row, k) => Math.sqrt(Math.max(row[k], 0)));
-    add('pose uncertainty, rotation x y z', u.slice(0, 3).map(x => short(1000 * x)).join(', ') + ' mrad');
-    add('pose uncertainty, translation x y z', u.slice(3).map(x => short(1000 * x)).join(', ') + ' \u00b5m');
+    add('pose uncertainty (k = 1), rotation x y z', u.slice(0, 3).map(x => short(1000 * x)).join(', ') + ' mrad');
+    add('pose uncertainty (k = 1), translation x y z at the scan\u2019s centroid', u.slice(3).map(x => short(1000 * x)).join(', ') + ' \u00b5m');
     add('not determined by the scan', v.undetermined.length ? v.undetermined.join('; ') : 'nothing');
     add('cross-check', v.cross_check ? (v.cross_check.agrees ? 'agrees: ' : 'DISAGREES: ') + v.cross_check.summary : 'not asked for');
-    if (v.truth) add('error of the pose (simulation)', `${short(1000 * v.truth.translation_error_mm)} \u00b5m, ${short(1000 * v.truth.rotation_error_rad)} mrad`);
+    if (v.truth) add('error of the pose at the scan\u2019s centroid (simulation)', `${short(1000 * v.truth.translation_error_mm)} \u00b5m, ${short(1000 * v.truth.rotation_error_rad)} mrad`);
     add('pose, rotation w x y z', v.pose.rotation_wxyz.map(x => x.toFixed(8)).join(', '));
     add('pose, translation', v.pose.translation_mm.map(x => mm(x)).join(', ') + ' mm');
     add('time: scan / register / evaluate', [v.time_s.scan, v.time_s.register, v.time_s.evaluate].map(short).join(' / ') + ' s');
@@ -512,14 +516,15 @@ function provenance() {
     'part': run.part, 'CAD surfaces / facets': `${run.surfaces} / ${run.facets}`, 'registration preset': run.registration_preset, 'rejected by registration': result.outlier_rules.registration, 'outliers of this report': result.outlier_rules.report, 'deviations from': run.deviations_from,
     'tolerance': tolerance ? `${tolerance[0]} to ${tolerance[1]} mm` : 'none', 'result schema': `${result.schema} ${result.schema_version}`
   };
-  for (const [name, value] of Object.entries(facts)) byId('provenance').append(element('div', {}, element('span', {}, name), element('span', {}, String(value))));
+  if (!run.scenario) delete facts.seed;
+  for (const [name, value] of Object.entries(facts)) if (value !== '') byId('provenance').append(element('div', {}, element('span', {}, name), element('span', {}, String(value))));
   byId('scenario').textContent = data.scenario || 'not stored';
 }
 
 function summary() {
   document.title = `${result.run.scenario || result.run.part}: inspection`;
   byId('title').textContent = `Inspection of ${result.run.part}`;
-  byId('subtitle').textContent = `${result.run.scenario} \u00b7 ${result.run.date || ''} \u00b7 ${result.views.length} view${result.views.length === 1 ? '' : 's'}`;
+  byId('subtitle').textContent = `${[result.run.scenario, result.run.date].filter(Boolean).map(t => t + ' \u00b7 ').join('')}${result.views.length} view${result.views.length === 1 ? '' : 's'}`;
   const chip = (text, kind) => byId('chips').append(element('span', {class: 'chip ' + kind}, text));
   const verdict = v => {
     if (v.failure) return [`${v.view}: failed`, 'bad'];

@@ -242,6 +242,9 @@ INSTANTIATE_TEST_SUITE_P(
     Scan, BadInputTest,
     testing::Values(
         BadInput{"missing", register_cube({"--scan", "none.ply"}), {"none.ply", "no such file"}},
+        BadInput{"a unit that makes it ten times the part",
+                 register_cube({"--scan", "good.xyz", "--scan-unit", "cm"}),
+                 {"good.xyz", "--scan-unit"}},
         BadInput{
             "empty XYZ", register_cube({"--scan", "empty.xyz", "--scan-unit", "mm"}), {"empty.xyz", "empty"}},
         BadInput{

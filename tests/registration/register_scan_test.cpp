@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -64,6 +65,25 @@ TEST(RegisterScan, LeavesAMinimumWhereOnlyAPartOfTheScanFits) {
   }
   EXPECT_EQ(found, 20);
   EXPECT_LT(found_by_one, 20);
+}
+
+TEST(RegisterScan, TellsAMisfitFromNoise) {
+  const Case c(shapes::blade(48, 44), 1500, Vec3(0.3, 1.0, 0.4), 0.003);
+  const RegistrationTarget target(c.part);
+  EXPECT_FALSE(register_scan(target, c.scan, c.start(0.2, 0.2 * kDegree), preset("default")).shows_misfit);
+  // Bent by 0.1 mm over its length: much more than the noise, and smooth.
+  ScanPoints bent = c.scan;
+  for (std::size_t i = 0; i < bent.size(); ++i) {
+    Vec3 point = c.truth * bent.position_mcs_mm[i];
+    point.y() += 0.1 * std::sin(point.z() / 10.0);
+    bent.position_mcs_mm[i] = c.truth.inverse() * point;
+  }
+  EXPECT_TRUE(register_scan(target, bent, c.start(0.2, 0.2 * kDegree), preset("default")).shows_misfit);
+  const Case noise_free(shapes::blade(48, 44), 1500, Vec3(0.3, 1.0, 0.4), 0.0);
+  const RegistrationTarget its_target(noise_free.part);
+  EXPECT_FALSE(
+      register_scan(its_target, noise_free.scan, noise_free.start(0.2, 0.2 * kDegree), preset("default"))
+          .shows_misfit);
 }
 
 TEST(RegisterScan, PublishedClosedFormConvergesToTheSamePoseAsPointToPlane) {
