@@ -321,6 +321,9 @@ headline: front.translation_error_mm
 }
 
 TEST_F(StudyTest, TheShippedBudgetRuns) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "takes minutes under the sanitizers, which see the same code in the budget above";
+#endif
   // Two trials are the least that have a variance.
   const ChildResult result =
       run({TRUEBLADE_SOURCE_DIR "/scenarios/studies/budget.yaml", "--trials", "2", "--out", "run"});
