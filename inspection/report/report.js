@@ -530,8 +530,8 @@ function summary() {
     if (v.failure) return [`${v.view}: failed`, 'bad'];
     if (!v.converged) return [`${v.view}: ${v.termination}`, 'bad'];
     const rms = `${v.view}: RMS ${mm(v.rms_mm)} mm`, t = v.tolerance;
-    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} points out of tolerance`, 'bad'];
-    if (t && t.outliers_outside) return [`${rms}, ${t.outliers_outside} outliers out of tolerance`, 'doubt'];
+    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance`, 'bad'];
+    if (t && t.outliers_outside) return [`${rms}, outliers out of tolerance: ${t.outliers_outside}`, 'doubt'];
     return [rms, 'good'];
   };
   for (const v of result.views) chip(...verdict(v));
