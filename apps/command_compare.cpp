@@ -39,13 +39,27 @@ double uncertainty_of(const Json& a, const Json& b) {
   return u.is_number() && v.is_number() ? std::hypot(u.get<double>(), v.get<double>()) : 0.0;
 }
 
+// Notes what only one of the runs has.
+void note_unmatched(const std::string& prefix, const char* key, const Json& a, const Json& b,
+                    std::vector<std::string>& notes) {
+  const auto note = [&](const Json& list, const Json& other, const char* run) {
+    for (const Json& entry : list)
+      if (!find_by(other, key, entry.at(key)))
+        notes.push_back(fmt::format("{}{} is only in the {} run", prefix,
+                                    entry.at(key).is_string()
+                                        ? entry.at(key).get<std::string>()
+                                        : fmt::format("{:g} mm", entry.at(key).get<double>()),
+                                    run));
+  };
+  note(a, b, "first");
+  note(b, a, "second");
+}
+
 // Where the second pose puts the point that the first brings to its pivot, and how it is turned.
 void compare_poses(const std::string& name, const Json& a, const Json& b, std::vector<Change>& changes) {
   const Json& pivot = a.at("pose_covariance_pivot_mm");
   if (pivot.at(0).is_null()) return;
-  const Vec6 step =
-      step_between(pose_of(a.at("pose")), pose_of(b.at("pose")),
-                   {pivot.at(0).get<double>(), pivot.at(1).get<double>(), pivot.at(2).get<double>()});
+  const Vec6 step = step_between(pose_of(a.at("pose")), pose_of(b.at("pose")), vector_of(pivot));
   const char* const kNames[] = {"pose, rotation x", "pose, rotation y", "pose, rotation z",
                                 "pose, centroid x", "pose, centroid y", "pose, centroid z"};
   for (std::size_t k = 0; k < 6; ++k) {
@@ -71,13 +85,11 @@ void compare_registrations(const std::string& name, const Json& a, const Json& b
 // The pose of one thing (`of`) against another, component by component.
 void compare_differences(const std::string& prefix, const Json& a, const Json& b,
                          std::vector<Change>& changes, std::vector<std::string>& notes) {
+  note_unmatched(prefix, "of", a, b, notes);
   for (const Json& difference : a) {
     const std::string name = prefix + difference.at("of").get<std::string>();
     const Json* other = find_by(b, "of", difference.at("of"));
-    if (!other) {
-      notes.push_back(name + " is only in the first run");
-      continue;
-    }
+    if (!other) continue;
     for (const auto& component : difference.at("components").items()) {
       const Json& same = other->at("components").at(component.key());
       const bool is_angle = component.key().ends_with("_rad");
@@ -87,25 +99,13 @@ void compare_differences(const std::string& prefix, const Json& a, const Json& b
   }
 }
 
-void note_what_is_new(const std::string& prefix, const char* key, const Json& a, const Json& b,
-                      std::vector<std::string>& notes) {
-  for (const Json& entry : b)
-    if (!find_by(a, key, entry.at(key)))
-      notes.push_back(fmt::format("{}{} is only in the second run", prefix,
-                                  entry.at(key).is_string()
-                                      ? entry.at(key).get<std::string>()
-                                      : fmt::format("{:g} mm", entry.at(key).get<double>())));
-}
-
 void compare_views(const Json& a, const Json& b, std::vector<Change>& changes,
                    std::vector<std::string>& notes) {
+  note_unmatched("view ", "view", a.at("views"), b.at("views"), notes);
   for (const Json& view : a.at("views")) {
     const std::string name = "view " + view.at("view").get<std::string>();
     const Json* other = find_by(b.at("views"), "view", view.at("view"));
-    if (!other) {
-      notes.push_back(name + " is only in the first run");
-      continue;
-    }
+    if (!other) continue;
     for (const char* key :
          {"planned", "points", "out_of_range", "missed", "low_signal", "left_out_by_report"})
       changes.push_back({name, key, "", view.at("samples").at(key), other->at("samples").at(key)});
@@ -129,7 +129,6 @@ void compare_views(const Json& a, const Json& b, std::vector<Change>& changes,
         changes.push_back({name, "surface " + surface.at("name").get<std::string>() + " mean_mm", "mm",
                            surface.at("mean_mm"), same->at("mean_mm")});
   }
-  note_what_is_new("view ", "view", a.at("views"), b.at("views"), notes);
   const Json &joint = a.at("joint"), &other_joint = b.at("joint");
   if (joint.is_null() != other_joint.is_null())
     notes.push_back(
@@ -144,34 +143,27 @@ void compare_views(const Json& a, const Json& b, std::vector<Change>& changes,
 
 void compare_features(const Json& a, const Json& b, std::vector<Change>& changes,
                       std::vector<std::string>& notes) {
+  note_unmatched("section ", "height_mm", a.at("sections"), b.at("sections"), notes);
   for (const Json& section : a.at("sections")) {
     const Json* other = find_by(b.at("sections"), "height_mm", section.at("height_mm"));
+    if (!other) continue;
     const std::string name = fmt::format("section {:g} mm", section.at("height_mm").get<double>());
-    if (!other) {
-      notes.push_back(name + " is only in the first run");
-      continue;
-    }
     for (const Json& feature : section.at("features"))
       if (const Json* same = find_by(other->at("features"), "name", feature.at("name")))
         changes.push_back({name, feature.at("name").get<std::string>(), feature.at("unit").get<std::string>(),
                            feature.at("measured"), same->at("measured"), uncertainty_of(feature, *same)});
   }
-  note_what_is_new("section ", "height_mm", a.at("sections"), b.at("sections"), notes);
   compare_differences("group ", a.at("offsets"), b.at("offsets"), changes, notes);
-  note_what_is_new("group ", "of", a.at("offsets"), b.at("offsets"), notes);
+  note_unmatched("profile ", "name", a.at("profiles"), b.at("profiles"), notes);
   for (const Json& profile : a.at("profiles")) {
     const Json* other = find_by(b.at("profiles"), "name", profile.at("name"));
+    if (!other) continue;
     const std::string name = "profile " + profile.at("name").get<std::string>();
-    if (!other) {
-      notes.push_back(name + " is only in the first run");
-      continue;
-    }
     changes.push_back({name, "profile_mm", "mm", profile.at("profile_mm"), other->at("profile_mm")});
     if (profile.at("conformity") != other->at("conformity"))
       notes.push_back(fmt::format("{}: was {}, is {}", name, profile.at("conformity").get<std::string>(),
                                   other->at("conformity").get<std::string>()));
   }
-  note_what_is_new("profile ", "name", a.at("profiles"), b.at("profiles"), notes);
 }
 
 void note_recipes(const Json& a, const Json& b, std::vector<std::string>& notes) {

@@ -53,12 +53,16 @@ Json read_result(const std::filesystem::path& folder) {
   return result;
 }
 
+Vec3 vector_of(const Json& vector) {
+  return {vector.at(0).get<double>(), vector.at(1).get<double>(), vector.at(2).get<double>()};
+}
+
 RigidTransform pose_of(const Json& pose) {
-  const Json &q = pose.at("rotation_wxyz"), &t = pose.at("translation_mm");
+  const Json& q = pose.at("rotation_wxyz");
   RigidTransform transform;
   transform.rotation = Eigen::Quaterniond(q.at(0).get<double>(), q.at(1).get<double>(), q.at(2).get<double>(),
                                           q.at(3).get<double>());
-  transform.translation_mm = Vec3(t.at(0).get<double>(), t.at(1).get<double>(), t.at(2).get<double>());
+  transform.translation_mm = vector_of(pose.at("translation_mm"));
   return transform;
 }
 

@@ -16,7 +16,8 @@ std::string date_now();
 // trueblade, or of a newer schema than this program knows.
 nlohmann::ordered_json read_result(const std::filesystem::path& folder);
 
-// A pose of result.json.
+// A vector and a pose of result.json.
+Vec3 vector_of(const nlohmann::ordered_json& vector);
 RigidTransform pose_of(const nlohmann::ordered_json& pose);
 
 // The points of deviations_<view>.ply. Throws InputError naming the file when it is missing or damaged.
