@@ -34,16 +34,9 @@ bool before(const FacetMiddle& a, const FacetMiddle& b) {
 // cannot foresee costs ten times a comparison: so the facets are counted into slices along the axis first,
 // moved to the front, the slice of the cut or the back without a branch, and only the slice of the cut is
 // compared.
-template <int kAxis>
-void divide(std::span<FacetMiddle> facets, std::size_t left, float lower, float upper,
-            std::span<FacetMiddle> scratch) {
-  constexpr std::size_t kSlices = 256;
-  constexpr std::size_t kFew = 512;  // fewer facets are not worth the slices
-  if (facets.size() < kFew || !(upper > lower)) {
-    std::nth_element(facets.begin(), facets.begin() + static_cast<std::ptrdiff_t>(left), facets.end(),
-                     before<kAxis>);
-    return;
-  }
+template <int kAxis, std::size_t kSlices>
+void divide_by_slices(std::span<FacetMiddle> facets, std::size_t left, float lower, float upper,
+                      std::span<FacetMiddle> scratch) {
   const float slices_per_mm = (static_cast<float>(kSlices) - 0.5F) / (upper - lower);
   const auto slice_of = [&](const FacetMiddle& facet) {  // never falls along the axis
     return std::min(static_cast<std::int32_t>((facet.middle[kAxis] - lower) * slices_per_mm),
@@ -65,6 +58,19 @@ void divide(std::span<FacetMiddle> facets, std::size_t left, float lower, float 
   std::nth_element(first, scratch.begin() + static_cast<std::ptrdiff_t>(left),
                    first + static_cast<std::ptrdiff_t>(within), before<kAxis>);
   std::copy(scratch.begin(), scratch.begin() + static_cast<std::ptrdiff_t>(facets.size()), facets.begin());
+}
+
+template <int kAxis>
+void divide(std::span<FacetMiddle> facets, std::size_t left, float lower, float upper,
+            std::span<FacetMiddle> scratch) {
+  constexpr std::size_t kMany = 1024;  // so many are worth more slices, which take time to clear and to sum
+  if (!(upper > lower))                // then the facet numbers decide
+    std::nth_element(facets.begin(), facets.begin() + static_cast<std::ptrdiff_t>(left), facets.end(),
+                     before<kAxis>);
+  else if (facets.size() < kMany)
+    divide_by_slices<kAxis, 64>(facets, left, lower, upper, scratch);
+  else
+    divide_by_slices<kAxis, 256>(facets, left, lower, upper, scratch);
 }
 
 struct Box {

@@ -141,16 +141,32 @@ class SurfaceDistances : public ceres::CostFunction {
       }
     }
     const double distance = (x - foot).norm();
-    if (distance > 1e-6) normal = (x - foot) / distance;  // nearer, the direction is rounding
-    return normal.dot(x - foot);
+    const double side = normal.dot(x - foot) < 0.0 ? -1.0 : 1.0;
+    if (distance > 1e-6) normal = side * (x - foot) / distance;  // nearer, the direction is rounding
+    return side * distance;
   }
 
   const RegistrationClaim& claim_;
   std::vector<std::size_t> used_;
 };
 
-// (sum w J J')^-1 within the determined directions, by Ceres at its own minimum.
-Eigen::MatrixXd ceres_covariance(ceres::Problem& problem, const double* along, Eigen::Index size) {
+// The same distances without their derivatives.
+struct DistancesAlone {
+  const SurfaceDistances& distances;
+  bool operator()(double const* const* parameters, double* residuals) const {
+    return distances.Evaluate(parameters, residuals, nullptr);
+  }
+};
+
+// (sum w J J')^-1 within the determined directions, by Ceres at its own minimum. J by central differences of
+// the distances: it owes nothing to the derivatives of the registration.
+Eigen::MatrixXd ceres_covariance(const SurfaceDistances& distances, double* along, Eigen::Index size) {
+  auto* cost = new ceres::DynamicNumericDiffCostFunction<DistancesAlone, ceres::CENTRAL>(
+      new DistancesAlone{distances});
+  cost->AddParameterBlock(static_cast<int>(size));
+  cost->SetNumResiduals(distances.num_residuals());
+  ceres::Problem problem;
+  problem.AddResidualBlock(cost, nullptr, along);
   ceres::Covariance::Options options;
   options.algorithm_type = ceres::DENSE_SVD;
   ceres::Covariance covariance(options);
@@ -209,7 +225,8 @@ CrossCheck cross_check_registration(const RegistrationClaim& claim) {
   }
   Eigen::VectorXd along = Eigen::VectorXd::Zero(m);
   ceres::Problem problem;
-  problem.AddResidualBlock(new SurfaceDistances(claim), nullptr, along.data());
+  auto* distances = new SurfaceDistances(claim);
+  problem.AddResidualBlock(distances, nullptr, along.data());  // which owns it
   ceres::Solver::Summary summary;
   ceres::Solve(tight_options(), &problem, &summary);
 
@@ -220,7 +237,7 @@ CrossCheck cross_check_registration(const RegistrationClaim& claim) {
       claim.determined.transpose() * claim.covariance_scaled * claim.determined;
   const double uncertainties =
       std::sqrt(std::max(0.0, along.dot(covariance.ldlt().solve(along))) / static_cast<double>(m));
-  const Eigen::MatrixXd theirs = ceres_covariance(problem, along.data(), m);
+  const Eigen::MatrixXd theirs = ceres_covariance(*distances, along.data(), m);
   const Eigen::MatrixXd ours = (claim.determined.transpose() * claim.hessian * claim.determined)
                                    .ldlt()
                                    .solve(Eigen::MatrixXd::Identity(m, m));

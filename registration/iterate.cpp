@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "registration/acceleration.h"
 #include "registration/closed_form.h"
@@ -248,7 +249,14 @@ class Iteration {
     if (!held_scale_) return false;
     const double sigma_mm =
         std::max(consistent_sigma_mm(correspondences().distance_mm, state_.base), problem_.floor_mm);
-    if (std::abs(sigma_mm - held_scale_->sigma_mm) <= kScaleChange * sigma_mm) return false;
+    const double held_mm = held_scale_->sigma_mm;
+    const auto is_held = [&](double other_mm) {
+      return std::abs(other_mm - held_mm) <= kScaleChange * held_mm;
+    };
+    // Where residuals are far from normal, what the fit selects by a scale need not have that scale: once
+    // estimated anew and held again, it will come out so every time.
+    if (is_held(sigma_mm) || std::any_of(released_mm_.begin(), released_mm_.end(), is_held)) return false;
+    released_mm_.push_back(held_mm);
     held_scale_.reset();
     return true;
   }
@@ -278,6 +286,7 @@ class Iteration {
   double weighted_squares_at_from_ = 0.0;
   int unsettled_steps_ = 0;
   std::optional<RejectionScale> held_scale_;  // while the iteration converges
+  std::vector<double> released_mm_;           // scales that were held before
 };
 
 }  // namespace

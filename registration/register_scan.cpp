@@ -18,7 +18,7 @@ namespace {
 
 // Far from the part it is wrong correspondences, not noise, that limit a step: some hundred points tell as
 // much as all.
-constexpr std::size_t kFirstSample = 500;
+constexpr std::size_t kFirstSample = 400;
 
 // Rounding of a distance: a handful of operations on the largest coordinate in play, 64 ulps of it.
 double rounding_floor_mm(const RegistrationTarget& target, const ScanExtent& extent,

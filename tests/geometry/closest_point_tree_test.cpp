@@ -8,8 +8,12 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
+#include <numbers>
 #include <numeric>
+#include <string_view>
 
 #include "geometry/error.h"
 #include "geometry/rigid_transform.h"
@@ -59,6 +63,71 @@ TEST(ClosestPointTree, PlaneInClosedForm) {
     const ClosestPoint closest = tree.query(foot + Vec3(0.0, 0.0, height));
     EXPECT_EQ(closest.distance_mm, std::abs(height));  // the sheet's coordinates are whole numbers: exact
     EXPECT_LT((closest.point_mm - foot).norm(), 64.0 * 0x1p-52 * 40.0);
+  }
+}
+
+// Two plates of 30 x 20 mm that meet in the y axis: the distance is the lesser one of two rectangles'.
+TEST(ClosestPointTree, WedgeInClosedForm) {
+  for (const double angle_rad : {0.05, 0.7, 2.5}) {
+    SCOPED_TRACE(angle_rad);
+    const FacetModel model = build_facet_model(shapes::wedge(30, 20, angle_rad), 0.0).model;
+    const ClosestPointTree tree(model);
+    const auto distance_mm = [](const Vec3& p) {  // from the rectangle in the plane z = 0
+      const Vec3 foot(std::clamp(p.x(), 0.0, 30.0), std::clamp(p.y(), 0.0, 20.0), 0.0);
+      return (p - foot).norm();
+    };
+    const Eigen::AngleAxisd lower_into_plane(-angle_rad, Vec3::UnitY());
+    Rng rng(2, 0, "wedge");
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p(45.0 * rng.uniform() - 10.0, 30.0 * rng.uniform() - 5.0, 40.0 * rng.uniform() - 25.0);
+      EXPECT_NEAR(tree.query(p).distance_mm, std::min(distance_mm(p), distance_mm(lower_into_plane * p)),
+                  rounding_mm(model, p));
+    }
+  }
+}
+
+// Facets with their nodes on a round surface lie within their chord error inside it, where it is convex, and
+// so does the distance: a bracket in closed form, at most a hundredth of the distances that it holds.
+TEST(ClosestPointTree, RoundSurfacesWithinTheirChordError) {
+  struct RoundShape {
+    const char* name;
+    FacetModel model;
+    double chord_error_mm;
+    std::function<double(const Vec3&)> signed_distance_mm;
+  };
+  constexpr std::uint32_t kAround = 360, kAcross = 90;
+  const auto sagitta_mm = [](double radius_mm, std::uint32_t around) {
+    return radius_mm * (1.0 - std::cos(std::numbers::pi / around));
+  };
+  const FacetModel sphere = build_facet_model(shapes::sphere(40.0, 5), 0.0).model;
+  const auto nearest_plane_mm = [](const FacetModel& model) {  // to the origin
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::uint32_t f = 0; f < model.facet_count(); ++f)
+      nearest = std::min(nearest, model.facet_normal(f).dot(model.corners_mm(f)[0]));
+    return nearest;
+  };
+  const RoundShape rounds[] = {
+      {"sphere", sphere, 40.0 - nearest_plane_mm(sphere), [](const Vec3& p) { return p.norm() - 40.0; }},
+      {"cylinder", build_facet_model(shapes::cylinder(15.0, 50.0, kAround), 0.0).model,
+       sagitta_mm(15.0, kAround), [](const Vec3& p) { return p.head<2>().norm() - 15.0; }},
+      {"torus", build_facet_model(shapes::torus(40.0, 10.0, kAround, kAcross), 0.0).model,
+       sagitta_mm(50.0, kAround) + sagitta_mm(10.0, kAcross),
+       [](const Vec3& p) { return std::hypot(p.head<2>().norm() - 40.0, p.z()) - 10.0; }}};
+  for (const auto& [name, model, chord_error_mm, signed_distance_mm] : rounds) {
+    SCOPED_TRACE(name);
+    const ClosestPointTree tree(model);
+    Rng rng(3, 0, "round surfaces");
+    int compared = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec3 p = 30.0 * rng.normal_vector();
+      const double expected_mm = signed_distance_mm(p);
+      if (std::string_view(name) == "cylinder" && std::abs(p.z()) > 25.0) continue;  // beyond its rims
+      if (std::abs(expected_mm) < 100.0 * chord_error_mm) continue;
+      EXPECT_NEAR(tree.query(p).distance_mm, std::abs(expected_mm), chord_error_mm + rounding_mm(model, p))
+          << p.transpose();
+      ++compared;
+    }
+    EXPECT_GT(compared, 1000);
   }
 }
 

@@ -31,6 +31,22 @@ inline FacetSoup wedge(std::uint32_t columns, std::uint32_t rows, double angle_r
   return soup;
 }
 
+// Open cylinder about z, its nodes on two circles.
+inline FacetSoup cylinder(double radius_mm, double height_mm, std::uint32_t around) {
+  FacetSoup soup;
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const double u = 2.0 * std::numbers::pi * i / around;
+    for (const double z : {-0.5 * height_mm, 0.5 * height_mm})
+      soup.nodes_mm.push_back(Vec3(radius_mm * std::cos(u), radius_mm * std::sin(u), z));
+  }
+  for (std::uint32_t i = 0; i < around; ++i) {
+    const std::uint32_t here = 2 * i, next = 2 * ((i + 1) % around);
+    soup.facets.push_back({here, next, next + 1});
+    soup.facets.push_back({here, next + 1, here + 1});
+  }
+  return soup;
+}
+
 inline FacetSoup torus(double ring_mm, double tube_mm, std::uint32_t around, std::uint32_t across) {
   FacetSoup soup;
   for (std::uint32_t i = 0; i < around; ++i)

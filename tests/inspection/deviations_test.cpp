@@ -10,6 +10,7 @@
 #include "geometry/error.h"
 #include "geometry/random.h"
 #include "tests/inspection/fixtures.h"
+#include "tests/part/cad_files.h"
 
 namespace trueblade {
 namespace {
@@ -53,6 +54,34 @@ TEST(Deviations, RmsDistanceIsThatOfAllPointsAtThePose) {
   EXPECT_NEAR(rms_distance_mm(ClosestPointTree(part.model), points, lifted),
               std::sqrt((2 * 0.2 * 0.2 + 2 * 0.1 * 0.1 + 2.0 * 2.0 + 5.0 * 5.0) / 6.0), 1e-14);
   EXPECT_TRUE(std::isnan(rms_distance_mm(ClosestPointTree(part.model), {}, lifted)));
+}
+
+// From the CAD sphere the deviation is the radius less 8 mm, whatever its facets are; from the facets, which
+// lie up to a chord error inside, it is larger.
+TEST(Deviations, FromTheExactSurfaceOfASphereIsThatOfTheClosedForm) {
+  const TemporaryFolder folder;
+  write_test_shape(TestShape::sphere, folder / "sphere.step");
+  const Part part = read_part(folder / "sphere.step", {});
+  const Vec3 centre(1.0, 2.0, 3.0);
+  Rng rng(8, 0, "beside the sphere");
+  ScanPoints scan;
+  std::vector<double> expected_mm;
+  for (int i = 0; i < 2000; ++i) {
+    expected_mm.push_back(0.1 * (rng.uniform() - 0.5));
+    scan.position_mcs_mm.push_back(centre + (8.0 + expected_mm.back()) * rng.normal_vector().normalized());
+  }
+  const Deviations d = deviations_of(part, scan, {});
+  EXPECT_EQ(d.exact, d.size());
+  double most_mm = 0.0;
+  for (std::size_t i = 0; i < d.size(); ++i) {
+    EXPECT_NEAR(d.signed_mm[i], expected_mm[i], 1e-11);  // coordinates of 11 mm, and 15 digits in STEP
+    EXPECT_LT((d.normal[i] - (scan.position_mcs_mm[i] - centre).normalized()).norm(), 1e-9);
+    const double chord_mm = d.from_facets_mm[i] - d.signed_mm[i];
+    EXPECT_GT(chord_mm, -1e-11);
+    EXPECT_LT(chord_mm, part.chord_tolerance_mm);
+    most_mm = std::max(most_mm, chord_mm);
+  }
+  EXPECT_GT(most_mm, 0.2 * part.chord_tolerance_mm);
 }
 
 TEST(Deviations, ArePoseTimesPoint) {

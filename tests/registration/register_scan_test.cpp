@@ -140,6 +140,26 @@ TEST(RegisterScan, TwentyPercentGrossOutliersAreFoundAndTheRestKept) {
   EXPECT_NEAR(result.sigma_mm, 0.003, 0.0003);
 }
 
+// A stage that stops a micrometre wrong in every line: along the flat sides of the blade that is next to
+// nothing, at its edges all of it. No normal distribution has such residuals, and what a cut leaves of them
+// has another scale than the one that the cut came from.
+TEST(RegisterScan, ResidualsFarFromNormalConverge) {
+  const Case noise_free(shapes::blade(96, 88), 3000, Vec3::Zero(), 0.0);
+  const RegistrationTarget target(noise_free.part);
+  for (std::uint64_t trial = 0; trial < 50; ++trial) {
+    const Rng stops(11, trial, "stops of the lines");
+    ScanPoints scan = noise_free.scan;
+    for (std::size_t i = 0; i < scan.size(); ++i) {
+      const auto line = static_cast<std::uint64_t>(noise_free.points[i].z() + 1.0);
+      const Vec3 wrong_mm(0.001 * stops.at(line).normal(), 0.0, 0.0);
+      scan.position_mcs_mm[i] = noise_free.truth.inverse() * (noise_free.points[i] + wrong_mm);
+    }
+    const auto result =
+        register_scan(target, scan, noise_free.start(0.1, 0.1 * kDegree, trial), preset("default"));
+    EXPECT_TRUE(is_converged(result.termination)) << full_report(result);
+  }
+}
+
 TEST(RegisterScan, ObjectiveNeverRisesFromStepToStep) {
   const Case c(shapes::blade(48, 44), 1500, kFront, 0.01);
   const RegistrationTarget target(c.part);
