@@ -133,10 +133,7 @@ int run_registration(const RegisterOptions& options, bool json) {
         "size of the RMS, or it is another part, or the scan lay too far away (--initial says where it "
         "lies)");
   for (const std::string& caution : cautions(view.result)) spdlog::warn("{}", caution);
-  const bool determines_something = view.result.registration.undetermined.size() < 6;
-  const bool sound = is_converged(view.result.registration.termination) && determines_something &&
-                     (!cross_check || cross_check->agrees);
-  return sound ? ExitCode::done : ExitCode::expectation_failed;
+  return is_sound(view.result.registration) ? ExitCode::done : ExitCode::expectation_failed;
 }
 
 nlohmann::ordered_json variant_json(const VariantResult& row) {
