@@ -117,6 +117,7 @@ void write_inputs(const ScratchFolder& folder) {
   folder.write("out_of_range.yaml", scenario("{file: cube.obj, unit: cm, chord_tolerance_mm: 0}"));
   folder.write("no_unit.yaml", scenario("{file: cube.obj}"));
   folder.write("no_part.yaml", scenario("{file: blade.step}"));
+  folder.write("part_of_others.yaml", scenario("{file: blade.ply, unit: mm, origin: the museum's archive}"));
   folder.write("bomb.yaml", "a: &a [x, x]\nb: [*a, *a]\n");
   folder.write("too_fine.yaml",
                "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], spacing_mm: 1e-6}\n");
@@ -257,7 +258,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"missing", register_cube({"--scan", "none.ply"}), {"none.ply", "no such file"}},
         BadInput{"a unit that makes it ten times the part",
                  register_cube({"--scan", "good.xyz", "--scan-unit", "cm"}),
-                 {"good.xyz", "--scan-unit"}},
+                 {"good.xyz", "--scan-unit", "centimetres and millimetres confused?"}},
+        BadInput{"inches that are millimetres",
+                 register_cube({"--scan", "good.xyz", "--scan-unit", "in"}),
+                 {"good.xyz", "--scan-unit", "inches and millimetres confused?"}},
+        BadInput{"a unit that makes it a thousandth of the part",
+                 register_cube({"--scan", "good.xyz", "--scan-unit", "um"}),
+                 {"good.xyz", "--scan-unit", "metres and millimetres confused?"}},
         BadInput{
             "empty XYZ", register_cube({"--scan", "empty.xyz", "--scan-unit", "mm"}), {"empty.xyz", "empty"}},
         BadInput{
@@ -376,6 +383,9 @@ INSTANTIATE_TEST_SUITE_P(
                  {"out_of_range.yaml:1", "chord_tolerance_mm is 0", "above 0"}},
         BadInput{"unit missing", inspect("no_unit.yaml"), {"cube.obj", "unit"}},
         BadInput{"part missing", inspect("no_part.yaml"), {"blade.step", "no such file"}},
+        BadInput{"part missing that comes from elsewhere",
+                 inspect("part_of_others.yaml"),
+                 {"blade.ply: no such file; it is not part of this project: the museum's archive"}},
         BadInput{"aliases", inspect("bomb.yaml"), {"bomb.yaml:1", "aliases"}},
         BadInput{"a raster of 1e14 cells", inspect("too_fine.yaml"), {"spacing_mm", "cells"}},
         BadInput{"unknown surface", inspect("no_such_surface.yaml"), {"surface 3"}},
