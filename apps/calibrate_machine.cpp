@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
@@ -15,6 +17,7 @@
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/scan_file.h"
 #include "inspection/evaluation_json.h"
+#include "sim/true_geometry.h"
 
 namespace trueblade {
 namespace {
@@ -94,43 +97,93 @@ struct ParameterRow {
   SphereParameter parameter;
   const char* name;
   const char* unit;
+  const char* words;  // the direction follows
 };
-constexpr ParameterRow kRows[] = {{beam_tilt_1, "beam_tilt_1", "rad"},  {beam_tilt_2, "beam_tilt_2", "rad"},
-                                  {axis_tilt_1, "axis_tilt_1", "rad"},  {axis_tilt_2, "axis_tilt_2", "rad"},
-                                  {axis_shift_1, "axis_shift_1", "mm"}, {axis_shift_2, "axis_shift_2", "mm"},
-                                  {centre_x, "sphere_centre_x", "mm"},  {centre_y, "sphere_centre_y", "mm"},
-                                  {centre_z, "sphere_centre_z", "mm"}};
+constexpr ParameterRow kRows[] = {{beam_tilt_1, "beam_tilt_1", "rad", "beam turned about"},
+                                  {beam_tilt_2, "beam_tilt_2", "rad", "beam turned about"},
+                                  {axis_tilt_1, "axis_tilt_1", "rad", "rotary axis turned about"},
+                                  {axis_tilt_2, "axis_tilt_2", "rad", "rotary axis turned about"},
+                                  {axis_shift_1, "axis_shift_1", "mm", "rotary axis shifted along"},
+                                  {axis_shift_2, "axis_shift_2", "mm", "rotary axis shifted along"},
+                                  {centre_x, "sphere_centre_x", "mm", "sphere shifted along"},
+                                  {centre_y, "sphere_centre_y", "mm", "sphere shifted along"},
+                                  {centre_z, "sphere_centre_z", "mm", "sphere shifted along"}};
+
+// A direction in `stage`: an axis by its name, within the two digits of the others.
+std::string direction_words(const Vec3& direction) {
+  constexpr const char* kNames[] = {"x", "y", "z"};
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(direction[k]) > 0.99995)  // 10 mrad off
+      return std::string(direction[k] < 0.0 ? "-" : "") + kNames[k];
+  return fmt::format("({:.2f}, {:.2f}, {:.2f})", direction.x(), direction.y(), direction.z());
+}
+
+// About or along what each parameter goes, in the order of SphereParameter.
+std::array<std::string, kSphereParameters> parameter_directions(const MachineGeometry& nominal) {
+  const Eigen::Matrix<double, 3, 2> beam =
+      nominal.stage_from_probe_at_zero.rotation.toRotationMatrix() * beam_normals(nominal);
+  const Mat3 axis = rotary_axis_normals(nominal);
+  std::array<std::string, kSphereParameters> words;
+  for (int k = 0; k < 2; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    words[beam_tilt_1 + at] = direction_words(beam.col(k));
+    words[axis_tilt_1 + at] = words[axis_shift_1 + at] = direction_words(axis.col(k));
+  }
+  words[centre_x] = "x";
+  words[centre_y] = "y";
+  words[centre_z] = "z";
+  return words;
+}
+
+// Found, and in simulation true: steps from the geometry that the scenario states.
+struct Changes {
+  SphereStep found;
+  std::optional<SphereStep> truth;
+};
+
+SphereStep true_change(const Scenario& scenario) {
+  const MachineSpec& machine = scenario.machine;
+  ErrorValues drawn;
+  draw_errors(machine.simulation.errors, ErrorScope::setup, scenario.seed, scenario.trial, 0, drawn);
+  return sphere_step(
+      machine.geometry, machine.mcs_from_part.translation_mm, true_geometry(machine.geometry, drawn),
+      true_mcs_from_part(machine.mcs_from_part, machine.mcs_from_fixture, drawn).translation_mm,
+      machine.lens.standoff_mm);
+}
 
 double standard_uncertainty(const SphereCalibration& found, SphereParameter parameter) {
   return std::sqrt(found.covariance(parameter, parameter));
 }
 
 // A machine file that holds nothing but the geometry: to be pasted, or to be referred to.
-std::string machine_text(const SphereCalibration& found) {
+std::string machine_text(const SphereCalibration& found, const MachineGeometry& nominal) {
+  const auto directions = parameter_directions(nominal);
   MachineGeometry geometry = found.geometry;
   const std::string block = yaml_text(
       [&](YamlFields& io) { io.map("geometry", [&](YamlFields& inner) { fields(inner, geometry); }); });
   std::string text = fmt::format(
       "# Geometry of the machine from {} samples of a reference sphere at {} rotary angles; a distance "
-      "scatters by "
-      "{:.5f} mm.\n# Standard uncertainties (random errors of the samples; docs/linuxcnc.md says what they "
-      "leave "
-      "out):\n",
+      "scatters by {:.5f} mm.\n"
+      "# It takes the place of the block `geometry` in the machine file.\n"
+      "# Standard uncertainties (random errors of the samples; docs/linuxcnc.md says what they leave out):\n",
       found.used, found.angles, found.sigma_mm);
+  const auto pair = [&](SphereParameter first, SphereParameter second, const char* unit, const char* how) {
+    return fmt::format("{:.2g} and {:.2g} {} {} {} and {}", standard_uncertainty(found, first),
+                       standard_uncertainty(found, second), unit, how, directions[first], directions[second]);
+  };
   text += fmt::format(
-      "#   beam_direction         {:.2e} and {:.2e} rad about its normals, about the working point\n"
-      "#   rotary_axis_direction  {:.2e} and {:.2e} rad about its normals\n"
-      "#   rotary_axis_point_mm   {:.5f} and {:.5f} mm along these; along the axis any point is as good\n",
-      standard_uncertainty(found, beam_tilt_1), standard_uncertainty(found, beam_tilt_2),
-      standard_uncertainty(found, axis_tilt_1), standard_uncertainty(found, axis_tilt_2),
-      standard_uncertainty(found, axis_shift_1), standard_uncertainty(found, axis_shift_2));
+      "#   beam_direction         {}, turned about the working point\n"
+      "#   rotary_axis_direction  {}\n"
+      "#   rotary_axis_point_mm   {}; along the axis any point is as good\n",
+      pair(beam_tilt_1, beam_tilt_2, "rad", "about"), pair(axis_tilt_1, axis_tilt_2, "rad", "about"),
+      pair(axis_shift_1, axis_shift_2, "mm", "along"));
   return text +
          "# Held: the working point (mount + standoff along the beam), the axis directions, the sphere's "
          "radius.\n" +
          block;
 }
 
-Json json_of(const SphereCalibration& found, const SphereStep& change, const SphereScans& scans) {
+Json json_of(const SphereCalibration& found, const Changes& changes, const SphereScans& scans) {
   Json json;
   json["settled"] = found.settled;
   json["passes"] = found.passes;
@@ -151,24 +204,47 @@ Json json_of(const SphereCalibration& found, const SphereStep& change, const Sph
   json["sphere_centre_mcs_mm"] = vector_json(found.centre_mcs_mm);
   json["axis_to_sphere_mm"] = found.axis_to_sphere_mm;
   for (const ParameterRow& row : kRows) {
-    json["change"][fmt::format("{}_{}", row.name, row.unit)] = change[row.parameter];
-    json["standard_uncertainty"][fmt::format("{}_{}", row.name, row.unit)] =
-        standard_uncertainty(found, row.parameter);
+    const std::string key = fmt::format("{}_{}", row.name, row.unit);
+    json["change"][key] = changes.found[row.parameter];
+    if (changes.truth) json["true_change"][key] = (*changes.truth)[row.parameter];
+    json["standard_uncertainty"][key] = standard_uncertainty(found, row.parameter);
   }
   json["covariance"] = covariance_json(found.covariance);
   return json;
 }
 
-void print_calibration(const SphereCalibration& found, const SphereStep& change, const SphereScans& scans) {
+void print_changes(const SphereCalibration& found, const Changes& changes, const MachineGeometry& nominal) {
+  const auto directions = parameter_directions(nominal);
+  std::string heading = fmt::format("\n{:<32} {:>10} {:>10} {:<4}", "", "change", "u", "");
+  if (changes.truth) heading += fmt::format(" {:>10} {:>10}", "true", "error / u");
+  fmt::print("{}\n", heading);
+  for (const ParameterRow& row : kRows) {
+    const double change = changes.found[row.parameter], u = standard_uncertainty(found, row.parameter);
+    std::string text =
+        fmt::format("{:<32} {:>10.6f} {:>10.6f} {:<4}",
+                    fmt::format("{} {}", row.words, directions[row.parameter]), change, u, row.unit);
+    if (changes.truth) {
+      const double truth = (*changes.truth)[row.parameter];
+      text += fmt::format(" {:>10.6f} {:>10.1f}", truth, (change - truth) / u);
+    }
+    fmt::print("{}\n", text);
+  }
+  fmt::print("change: from what the scenario states, in axes of the stage; u: its standard uncertainty\n");
+  if (changes.truth)
+    fmt::print(
+        "true: as the simulated machine was drawn, known to a simulation alone; an error of more than 3 u is "
+        "no "
+        "chance\n");
+}
+
+void print_calibration(const SphereCalibration& found, const Changes& changes, const MachineGeometry& nominal,
+                       const SphereScans& scans) {
   fmt::print("{:<12} {:>8} {:>12} {:>11}\n", "view", "used", "no distance", "off sphere");
   const std::vector<ViewCount> counts = count_views(scans, found.uses);
   for (std::size_t view = 0; view < counts.size(); ++view)
     fmt::print("{:<12} {:>8} {:>12} {:>11}\n", scans.views[view], counts[view].used, counts[view].no_distance,
                counts[view].off_sphere);
-  fmt::print("\n{:<17} {:>12} {:>24}\n", "parameter", "change", "standard uncertainty");
-  for (const ParameterRow& row : kRows)
-    fmt::print("{:<17} {:>12.6f} {:>20.6f} {}\n", row.name, change[row.parameter],
-               standard_uncertainty(found, row.parameter), row.unit);
+  print_changes(found, changes, nominal);
   fmt::print("\na distance scatters by {:.5f} mm; the sphere stands {:.3f} mm from the rotary axis\n",
              found.sigma_mm, found.axis_to_sphere_mm);
 }
@@ -185,18 +261,28 @@ int calibrate(const CalibrateOptions& options, bool json) {
                                machine.mcs_from_part.translation_mm};
   const SphereCalibration found =
       calibrate_by_sphere(machine.geometry, machine.lens.standoff_mm, sphere, scans.samples);
-  const SphereStep change = sphere_step(machine.geometry, sphere.centre_mcs_mm, found.geometry,
-                                        found.centre_mcs_mm, machine.lens.standoff_mm);
+  Changes changes{sphere_step(machine.geometry, sphere.centre_mcs_mm, found.geometry, found.centre_mcs_mm,
+                              machine.lens.standoff_mm),
+                  std::nullopt};
+  // Stored scans may be of another machine.
+  if (machine.backend == "simulated" && options.scans.empty()) changes.truth = true_change(scenario);
   if (json)
-    fmt::print("{}\n", json_of(found, change, scans).dump(2));
+    fmt::print("{}\n", json_of(found, changes, scans).dump(2));
   else
-    print_calibration(found, change, scans);
+    print_calibration(found, changes, machine.geometry, scans);
   if (!found.settled) {
     spdlog::error("the fit has not settled within {} passes; nothing was written", found.passes);
     return ExitCode::expectation_failed;
   }
-  write_text_atomically(options.out, machine_text(found));
-  if (!json) fmt::print("geometry -> {}\n", options.out.string());
+  write_text_atomically(options.out, machine_text(found, machine.geometry));
+  if (!json)
+    fmt::print(
+        "geometry -> {}\n\nNext: put its block `geometry` in the place of the one in the machine file (or "
+        "under "
+        "`machine:` in\n"
+        "the scenario); stage_from_probe_at_zero, beam_direction, rotary_axis_point_mm and "
+        "rotary_axis_direction have changed.\n",
+        options.out.string());
   return ExitCode::done;
 }
 

@@ -20,4 +20,10 @@ std::vector<std::string> cautions(const ViewResult& view) {
   return found;
 }
 
+bool is_sound(const RegistrationResult& registration) {
+  const auto& cross_check = registration.cross_check;
+  return is_converged(registration.termination) && registration.undetermined.size() < 6 &&
+         (!cross_check || cross_check->agrees);
+}
+
 }  // namespace trueblade

@@ -12,4 +12,8 @@ namespace trueblade {
 // One sentence each, beginning with the view; empty when there is nothing to say.
 std::vector<std::string> cautions(const ViewResult& view);
 
+// The registration converged, determines something of the pose, and its cross-check, where there is one,
+// agrees.
+bool is_sound(const RegistrationResult& registration);
+
 }  // namespace trueblade

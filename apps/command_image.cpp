@@ -68,8 +68,11 @@ int image(const std::string& file, bool json) {
 
 void add_image_command(CLI::App& app, CommandLine& line) {
   auto file = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("image", "What is in a range image (.exr) of an inspection");
-  command->add_option("file", *file, "Range image (OpenEXR)")->required()->type_name("FILE");
+  CLI::App* command =
+      app.add_subcommand("image", "What is in the range image of a view (<view>.exr): channels, size, pose");
+  command->add_option("file", *file, "Range image (OpenEXR) that `trueblade inspect` wrote")
+      ->required()
+      ->type_name("FILE");
   command->add_flag("--json", line.json, "Print the facts as JSON on standard output");
   command->footer(R"(
 Example:

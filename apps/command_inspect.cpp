@@ -41,8 +41,7 @@ bool tell_verdict(const Scenario& scenario, const ViewResult& view) {
   const auto& cross_check = view.registration.cross_check;
   if (cross_check && cross_check->agrees)
     spdlog::info("view {}: the cross-check {}", view.view, cross_check->summary);
-  return tolerance_kept && is_converged(view.registration.termination) &&
-         (!cross_check || cross_check->agrees);
+  return tolerance_kept && is_sound(view.registration);
 }
 
 bool tell_decisions(const EvaluationResult& evaluation) {

@@ -70,19 +70,30 @@ std::optional<std::string> unknown_command(const CLI::App& app, const std::vecto
   return std::nullopt;
 }
 
-void suggest_options(const CLI::App& app, const std::vector<std::string>& arguments) {
+// What the command line meant to call, and its name with those before it: "trueblade study show".
+std::pair<const CLI::App*, std::string> called_command(const CLI::App& app,
+                                                       const std::vector<std::string>& arguments) {
+  std::pair<const CLI::App*, std::string> called{&app, app.get_name()};
+  for (const std::string& word : arguments)
+    if (const CLI::App* next = find_command(*called.first, word))
+      called = {next, called.second + " " + next->get_name()};
+  return called;
+}
+
+// CLI11's own words, the options that are nearest to unknown ones, and where to read more.
+std::string usage_error(const CLI::App& app, const std::vector<std::string>& arguments,
+                        const CLI::ParseError& stop) {
+  const auto [command, name] = called_command(app, arguments);
   std::vector<std::string> known;
-  const CLI::App* command = &app;
-  for (const std::string& word : arguments) {
-    if (const CLI::App* next = find_command(*command, word)) command = next;
-  }
   for (const CLI::Option* option : command->get_options()) known.push_back(option->get_name());
+  std::string text = stop.what();
   for (const std::string& word : arguments) {
     const bool is_known = std::find(known.begin(), known.end(), word) != known.end();
     if (is_known || !word.starts_with("--")) continue;
     if (const auto nearest = nearest_word(word, known))
-      fmt::print(stderr, "\"{}\": did you mean \"{}\"?\n", word, *nearest);
+      text += fmt::format("; \"{}\": did you mean \"{}\"?", word, *nearest);
   }
+  return fmt::format("{} (`{} --help` explains)", text, name);
 }
 
 int parse_and_run(const std::vector<std::string>& arguments) {
@@ -115,10 +126,9 @@ int parse_and_run(const std::vector<std::string>& arguments) {
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ParseError& stop) {
     const bool asked_for_help = stop.get_exit_code() == 0;
+    if (!asked_for_help) throw InputError(usage_error(app, arguments, stop));
     app.exit(stop);
-    if (asked_for_help) return ExitCode::done;
-    suggest_options(app, arguments);
-    return ExitCode::bad_input;
+    return ExitCode::done;
   }
   const int code = line.chosen();
   if (!interrupted()) return code;

@@ -130,14 +130,21 @@ Examples:
 
   auto make_options = std::make_shared<MakeOptions>();
   CLI::App* make_command = part->add_subcommand("make", "Build a demonstration part and write it as STEP");
-  make_command->add_option("kind", make_options->kind, "turbine_blade or formed_part")
+  make_command
+      ->add_option("kind", make_options->kind,
+                   "turbine_blade or formed_part; docs/demonstration_parts.md describes them")
       ->required()
       ->check(CLI::IsMember({"turbine_blade", "formed_part"}));
   make_command
       ->add_option("--parameters", make_options->parameters,
-                   "Parameters that differ from the defaults (YAML)")
+                   "Parameters that differ from the defaults (YAML), in mm and degrees, such as span_mm: 80; "
+                   "scenarios/parts lists them all")
       ->type_name("FILE");
   make_command->add_option("--out", make_options->out, "STEP file to write")->required()->type_name("FILE");
+  make_command->footer(R"(
+Examples:
+  trueblade part make turbine_blade --out blade.step
+  trueblade part make turbine_blade --parameters scenarios/parts/stator_vane.yaml --out vane.step)");
   make_command->callback(
       [make_options, &line] { line.chosen = [make_options] { return make(*make_options); }; });
 }

@@ -7,6 +7,8 @@
 #include <functional>
 #include <limits>
 
+#include "inspection/section_definitions.h"
+
 namespace trueblade {
 namespace {
 
@@ -154,6 +156,21 @@ std::vector<Verdict> judge(const std::map<std::string, ViewExpectation>& expecte
     }
   }
   return verdicts;
+}
+
+std::vector<std::string> part_quantities(const InspectionSpec& inspection) {
+  std::vector<std::string> names{"missing", "joint.rms_mm"};
+  for (const ProfileSpec& profile : inspection.profiles)
+    for (const char* quantity : {"profile_mm", "conforming"})
+      names.push_back(fmt::format("profile.{}.{}", profile.name, quantity));
+  if (inspection.sections)
+    for (const double height_mm : inspection.sections->heights_mm)
+      for (const SectionFeatureName& feature : kSectionFeatures)
+        names.push_back(fmt::format("section.{:g}.{}", height_mm, feature.name));
+  for (std::size_t k = 1; k < inspection.groups.size(); ++k)  // each from the first
+    for (const char* component : kComponents)
+      names.push_back(fmt::format("offset.{}.{}", inspection.groups[k].name, component));
+  return names;
 }
 
 std::vector<Verdict> judge_part(const std::map<std::string, PartExpectation>& expected,

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "apps/inspection_fields.h"
 #include "apps/yaml_fields.h"
 #include "inspection/result.h"
 
@@ -45,13 +46,14 @@ std::string got_words(const Verdict& verdict);
 std::vector<Verdict> judge(const std::map<std::string, ViewExpectation>& expected,
                            const std::vector<ViewResult>& views);
 
-// The numbers of the part are named
+// The numbers of the part that an inspection block leads to are named
 //   joint.rms_mm
 //   profile.<name>.conforming            1 conforming, 0 not; absent: cannot tell
 //   profile.<name>.profile_mm
 //   section.<height>.<feature>           measured minus nominal, mm or rad
 //   offset.<group>.translation_x_mm ...  and .rotation_x_rad ...
 //   missing                              how many things that were asked for could not be made
+std::vector<std::string> part_quantities(const InspectionSpec& inspection);
 std::vector<Verdict> judge_part(const std::map<std::string, PartExpectation>& expected,
                                 const EvaluationResult& evaluation);
 

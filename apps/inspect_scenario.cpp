@@ -124,6 +124,12 @@ FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& tar
   return view;
 }
 
+// Messages of the measurement name the view; whoever shows a result names it already.
+std::string without_view(const std::string& message, const std::string& view) {
+  const std::string prefix = fmt::format("view {}: ", view);
+  return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
+}
+
 // A view that could not be measured or registered: its name, what was measured, and why.
 ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const std::string& failure) {
   ViewResult view;
@@ -131,7 +137,7 @@ ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const
   view.view = plan.view;
   view.theta_rad = plan.theta_rad;
   view.planned = plan.point_count();
-  view.failure = failure;
+  view.failure = without_view(failure, plan.view);
   view.statistics.points = measured.scan.points.size();
   view.registration.weighted_rms_mm = kNoValue;
   return view;

@@ -84,6 +84,7 @@ void fields(YamlFields& io, PartSpec& part, const std::filesystem::path& folder)
   io.fail_unless(has_file != is_demonstration, "part must have either file or demonstration");
   if (has_file) {
     io.path("file", part.file, folder);
+    if (io.reading() || !part.origin.empty()) io.text("origin", part.origin);
     io.choice<LengthUnit>("unit", part.options.unit, kUnits);
   }
   if (is_demonstration) {
@@ -116,6 +117,9 @@ Part make_part(const PartSpec& spec) {
     case Demonstration::none:
       break;
   }
+  std::error_code unreadable;  // read_part says why
+  if (!spec.origin.empty() && !std::filesystem::exists(spec.file, unreadable))
+    throw file_error(spec.file.string(), "no such file; it is not part of this project: " + spec.origin);
   return read_part(spec.file, spec.options);
 }
 

@@ -14,6 +14,7 @@ enum class Demonstration { none, turbine_blade, formed_part, reference_sphere };
 
 struct PartSpec {
   std::filesystem::path file;  // empty for a demonstration part
+  std::string origin;          // where the file comes from, for who does not have it
   Demonstration demonstration = Demonstration::none;
   TurbineBladeParameters turbine_blade;
   FormedPartParameters formed_part;

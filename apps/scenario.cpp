@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/nearest_word.h"
+#include "apps/wrong_file.h"
 #include "apps/yaml_reader.h"
 #include "apps/yaml_writer.h"
 
@@ -73,7 +75,20 @@ void check_expected_views(const Scenario& scenario) {
   }
 }
 
+void check_expected_part(const Scenario& scenario) {
+  const std::vector<std::string> known = part_quantities(scenario.inspection);
+  for (const auto& [name, expectation] : scenario.expect_part) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    const auto nearest = nearest_word(name, known);
+    throw InputError(
+        fmt::format("expect_part.{} is not among what the inspection block asks for{}; there are {}", name,
+                    nearest ? fmt::format(", did you mean \"{}\"?", *nearest) : "", fmt::join(known, ", ")));
+  }
+}
+
 void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& folder) {
+  if (io.holds_foreign("scenario") && !io.present("part"))
+    throw io.error("scenario", "this is a study, must be a scenario; `trueblade study` runs a study");
   io.text("name", scenario.name);
   io.text("description", scenario.description);
   io.integer("seed", scenario.seed, 0, std::numeric_limits<std::uint64_t>::max());
@@ -95,12 +110,14 @@ void fields(YamlFields& io, Scenario& scenario, const std::filesystem::path& fol
   io.check([&] {
     check_file_name("name", scenario.name);
     check_expected_views(scenario);
+    check_expected_part(scenario);
   });
 }
 
 }  // namespace
 
 Scenario read_scenario(const std::filesystem::path& file, const std::vector<YamlOverride>& overrides) {
+  refuse_part_or_scan(file, "a scenario");
   Scenario scenario;
   scenario.name = file.stem().string();
   read_yaml(file, overrides, [&](YamlFields& io) { fields(io, scenario, file.parent_path()); });

@@ -11,6 +11,29 @@
 
 namespace trueblade {
 
+namespace {
+
+std::optional<double> parse_finite(const std::string& text) {
+  double value = 0.0;
+  const char* first = text.data();
+  const char* last = first + text.size();
+  if (first != last && *first == '+') ++first;
+  const auto [end, failure] = std::from_chars(first, last, value);
+  if (failure != std::errc() || end != last || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+// Of a list with a wrong count: [0,5, 1, 2] are four numbers to YAML.
+std::string count_words(std::string_view key, const std::vector<std::string>& texts, std::size_t wanted) {
+  std::string words = fmt::format("{} has {} numbers, must have {}", key, texts.size(), wanted);
+  if (texts.size() > wanted)
+    words +=
+        fmt::format("; they are read as {} (decimals take a point, not a comma)", fmt::join(texts, " and "));
+  return words;
+}
+
+}  // namespace
+
 NumberConstraint any_number() {
   return {[](double) { return true; }, "finite"};
 }
@@ -23,6 +46,15 @@ NumberConstraint at_least(double bound) {
 NumberConstraint between(double low, double high) {
   return {[low, high](double value) { return value >= low && value <= high; },
           fmt::format("from {} to {}", low, high)};
+}
+
+std::optional<std::string> with_decimal_point(const std::string& text) {
+  const std::size_t comma = text.find(',');
+  if (comma == std::string::npos) return std::nullopt;
+  std::string with_point = text;
+  with_point[comma] = '.';
+  if (!parse_finite(with_point)) return std::nullopt;
+  return with_point;
 }
 
 std::string number_text(double value) {
@@ -69,16 +101,14 @@ void YamlFields::check(const std::function<void()>& validate) const {
 
 double YamlFields::parse(std::string_view key, const std::string& text,
                          const NumberConstraint& constraint) const {
-  double value = 0.0;
-  const char* first = text.data();
-  const char* last = first + text.size();
-  if (first != last && *first == '+') ++first;
-  const auto [end, failure] = std::from_chars(first, last, value);
-  if (failure != std::errc() || end != last || !std::isfinite(value))
-    throw error(key, fmt::format("{} is \"{}\", must be a finite number", key, text));
-  if (!constraint.holds(value))
+  const std::optional<double> value = parse_finite(text);
+  if (const auto meant = value ? std::nullopt : with_decimal_point(text))
+    throw error(key,
+                fmt::format("{} is \"{}\", must be a number with a decimal point: {}", key, text, *meant));
+  if (!value) throw error(key, fmt::format("{} is \"{}\", must be a finite number", key, text));
+  if (!constraint.holds(*value))
     throw error(key, fmt::format("{} is {}, must be {}", key, text, constraint.words));
-  return value;
+  return *value;
 }
 
 void YamlFields::number(std::string_view key, double& value, const NumberConstraint& constraint) {
@@ -153,8 +183,7 @@ bool YamlFields::numbers(std::string_view key, std::span<double> values) {
   std::vector<std::string> texts;
   for (const double value : values) texts.push_back(number_text(value));
   if (!scalars(key, texts) || !reading()) return false;
-  if (texts.size() != values.size())
-    throw error(key, fmt::format("{} has {} numbers, must have {}", key, texts.size(), values.size()));
+  if (texts.size() != values.size()) throw error(key, count_words(key, texts, values.size()));
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = parse(key, texts[i], any_number());
   return true;
 }
@@ -175,7 +204,7 @@ void YamlFields::angles(std::string_view key, Vec3& value_rad) {
   std::vector<std::string> texts;
   for (const double radians : value_rad) texts.push_back(degrees_text(radians));
   if (!scalars(key, texts) || !reading()) return;
-  if (texts.size() != 3) throw error(key, fmt::format("{} has {} numbers, must have 3", key, texts.size()));
+  if (texts.size() != 3) throw error(key, count_words(key, texts, 3));
   for (int i = 0; i < 3; ++i)
     value_rad[i] = radians_from_degrees(parse(key, texts[static_cast<std::size_t>(i)], any_number()));
 }

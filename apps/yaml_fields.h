@@ -48,6 +48,9 @@ class YamlFields {
   virtual bool reading() const = 0;
   // Reading: whether the key stands in the file. Writing: true.
   virtual bool present(std::string_view key) = 0;
+  // Reading: the same for a key of another kind of file, which a message about unknown keys must not offer.
+  // Writing: false.
+  virtual bool holds_foreign(std::string_view key) const = 0;
   // Reading: an error when the key is absent, reported after misspelt keys. Writing: nothing.
   virtual void require(std::string_view key) = 0;
   // Reading: an error at the end of this map, for what concerns the map as a whole. Writing: nothing.
@@ -130,6 +133,8 @@ class YamlFields {
                                 const std::vector<std::string>& valid) const;
 };
 
+// A number written with a decimal comma, with its point: 0,5 is 0.5. No value for any other text.
+std::optional<std::string> with_decimal_point(const std::string& text);
 // The shortest text that reads back to the same number.
 std::string number_text(double value);
 // Degrees whose reading gives the same radians, bit by bit, where such a number exists.

@@ -52,7 +52,10 @@ class TreeBuilder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { value(mark, {}, YamlNode::Kind::empty, ""); }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override {
+    refuse_decimal_comma(mark);
+    value(mark, {}, YamlNode::Kind::empty, "");
+  }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { refuse_anchor(mark); }
   void OnAnchor(const YAML::Mark& mark, const std::string&) override { refuse_anchor(mark); }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
@@ -81,6 +84,18 @@ class TreeBuilder : public YAML::EventHandler {
 
   [[noreturn]] void refuse_anchor(const YAML::Mark& mark) const {
     throw line_error(file_, line_of(mark), "anchors (&) and aliases (*) are not supported");
+  }
+
+  // In {spacing_mm: 0,5} YAML sees the value 0 and a key 5 without a value.
+  void refuse_decimal_comma(const YAML::Mark& mark) const {
+    if (open_.empty() || open_.back()->kind != YamlNode::Kind::map || awaits_key_.back()) return;
+    const YamlNode& map = *open_.back();
+    if (map.items.empty() || map.items.back().kind != YamlNode::Kind::scalar) return;
+    const std::string text = map.items.back().text + ',' + map.keys.back();
+    if (const auto meant = with_decimal_point(text))
+      throw line_error(file_, line_of(mark),
+                       fmt::format("{} is \"{}\", must be a number with a decimal point: {}",
+                                   map.keys[map.keys.size() - 2], text, *meant));
   }
 
   // Takes the next event as a map's key or as a value; returns the new value's node. Pointers into `items`
@@ -133,6 +148,9 @@ class MapReader final : public YamlFields {
 
   bool reading() const override { return true; }
   bool present(std::string_view key) override { return find(key) != nullptr; }
+  bool holds_foreign(std::string_view key) const override {
+    return std::find(map_.keys.begin(), map_.keys.end(), key) != map_.keys.end();
+  }
   void require(std::string_view key) override {
     if (!present(key)) deferred_.push_back(fmt::format("{} is missing", full_name(key)));
   }
@@ -239,8 +257,10 @@ class MapReader final : public YamlFields {
   }
 
   // Where the key stands, or the first part of "key.inner_key". The libraries speak of fields in radians; the
-  // key in the file is in degrees.
+  // key in the file is in degrees. Names that a user chooses may hold dots themselves.
   static std::optional<int> line_of(const YamlNode& map, std::string_view path) {
+    for (std::size_t i = 0; i < map.keys.size(); ++i)
+      if (map.keys[i] == path) return map.key_lines[i];
     const std::size_t dot = path.find('.');
     std::string key(path.substr(0, dot));
     if (key.ends_with("_rad")) key.replace(key.size() - 4, 4, "_deg");
@@ -286,6 +306,18 @@ std::string read_text(const std::filesystem::path& file) {
   return text;
 }
 
+// The first line up to `last` (from 1) that is indented with a tab: the usual cause where YAML then complains
+// about something else.
+std::optional<int> line_indented_with_tab(const std::string& text, int last) {
+  std::istringstream lines(text);
+  std::string line;
+  for (int number = 1; number <= last && std::getline(lines, line); ++number) {
+    const std::size_t tab = line.find('\t');
+    if (tab != std::string::npos && line.find_first_not_of(' ') == tab) return number;
+  }
+  return std::nullopt;
+}
+
 YamlNode parse_document(const std::string& text, const std::string& file) {
   if (text.find('\0') != std::string::npos) throw file_error(file, "is not text");
   std::istringstream stream(text);
@@ -297,6 +329,8 @@ YamlNode parse_document(const std::string& text, const std::string& file) {
     if (parser.HandleNextDocument(second))
       throw line_error(file, second.root.line, "a second document begins, must be one");
   } catch (const YAML::Exception& failure) {
+    if (const auto tab = line_indented_with_tab(text, failure.mark.line + 1))
+      throw line_error(file, *tab, "is indented with a tab, must be with spaces (YAML)");
     throw line_error(file, failure.mark.line + 1, "not valid YAML: " + failure.msg);
   }
   return builder.root;

@@ -14,6 +14,7 @@ class MapWriter final : public YamlFields {
 
   bool reading() const override { return false; }
   bool present(std::string_view) override { return true; }
+  bool holds_foreign(std::string_view) const override { return false; }
   void require(std::string_view) override {}
   void fail_unless(bool, const std::string&) override {}
   InputError error(std::string_view, const std::string& message) const override {

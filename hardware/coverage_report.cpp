@@ -70,6 +70,12 @@ std::array<std::uint8_t, 3> access_colour(PointAccess access) {
   return {};
 }
 
+std::string coverage_words(const Coverage& coverage) {
+  const std::size_t views = coverage.theta_rad.size();
+  return fmt::format("{} {} {:.1f} % of the area", views, views == 1 ? "view sees" : "views see",
+                     100.0 * coverage.seen);
+}
+
 std::string coverage_table(const Coverage& coverage, const Part& part) {
   std::string text = fmt::format("{:>7}  {:<24} {:>10}", "surface", "name", "area mm2");
   for (const double theta : coverage.theta_rad) text += fmt::format(" {:>5.0f} deg", theta / kDegree);
@@ -80,9 +86,7 @@ std::string coverage_table(const Coverage& coverage, const Part& part) {
     for (const double share : surface->seen_from_view) text += fmt::format(" {:>7.0f} %", 100.0 * share);
     text += fmt::format(" {:>5.0f} %  {}\n", 100.0 * surface->seen, reasons(*surface));
   }
-  text += fmt::format("{} views see {:.1f} % of the area of {} surfaces\n", coverage.theta_rad.size(),
-                      100.0 * coverage.seen, coverage.surfaces.size());
-  return text;
+  return text + fmt::format("{} of {} surfaces\n", coverage_words(coverage), coverage.surfaces.size());
 }
 
 std::string coverage_svg(const Coverage& coverage, const Part& part) {
@@ -93,8 +97,8 @@ std::string coverage_svg(const Coverage& coverage, const Part& part) {
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" font-family=\"sans-serif\" "
       "font-size=\"10\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
-      "<text x=\"8\" y=\"16\" font-size=\"13\">{}: {} views see {:.1f} % of the area</text>\n",
-      width, height, xml_text(part.name), views, 100.0 * coverage.seen);
+      "<text x=\"8\" y=\"16\" font-size=\"13\">{}: {}</text>\n",
+      width, height, xml_text(part.name), coverage_words(coverage));
   for (int v = 0; v < views; ++v)
     svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{:.0f} deg</text>\n",
                        kLabel + kCell * v + kCell / 2, kTop - 6,

@@ -12,6 +12,9 @@ namespace trueblade {
 // In all pictures of coverage: red, green, blue.
 std::array<std::uint8_t, 3> access_colour(PointAccess access);
 
+// "2 views see 99.8 % of the area".
+std::string coverage_words(const Coverage& coverage);
+
 // One line a surface: area, share seen from each view, share seen in all, and the reasons for the rest. The
 // least seen surfaces come first.
 std::string coverage_table(const Coverage& coverage, const Part& part);

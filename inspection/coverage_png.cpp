@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "hardware/coverage_report.h"
 #include "inspection/canvas.h"
@@ -17,7 +18,7 @@ namespace {
 constexpr Colour kInk{32, 36, 44};
 constexpr Colour kFaintInk{110, 116, 126};
 constexpr int kPanelWidth = 520, kPanelHeight = 700, kPanelTitle = 34;
-constexpr int kTop = 56, kBottom = 50;
+constexpr int kTop = 56, kKeyLine = 24;
 constexpr std::size_t kPanelsInARow = 4;
 
 Colour colour_of(PointAccess access) {
@@ -58,15 +59,37 @@ void draw_panel(Canvas& canvas, const Vec2& corner, const Part& part, const RayC
               16, Align::centre, kInk);
 }
 
-void draw_key(Canvas& canvas, double y) {
-  double x = 20.0;
+struct KeyEntry {
+  PointAccess access;
+  double x;
+  int line;
+};
+
+// As many lines as the width asks for.
+std::vector<KeyEntry> key_entries(double width) {
+  constexpr double kLeft = 20.0;
+  std::vector<KeyEntry> entries;
+  double x = kLeft;
+  int line = 0;
   for (std::size_t k = 0; k < kPointAccessCount; ++k) {
     const auto access = static_cast<PointAccess>(k);
     if (access == PointAccess::facing_away) continue;  // never in sight of the camera
-    const std::string label = to_string(access);
-    canvas.rectangle(x, y - 12, 14, 14, colour_of(access));
-    canvas.text(x + 20, y, label, 14, Align::left, kFaintInk);
-    x += 36.0 + 7.2 * static_cast<double>(label.size());
+    const double length = 20.0 + 7.2 * static_cast<double>(to_string(access).size());
+    if (x + length > width) {
+      x = kLeft;
+      ++line;
+    }
+    entries.push_back({access, x, line});
+    x += length + 22.0;
+  }
+  return entries;
+}
+
+void draw_key(Canvas& canvas, const std::vector<KeyEntry>& entries, double top) {
+  for (const KeyEntry& entry : entries) {
+    const double y = top + kKeyLine * entry.line;
+    canvas.rectangle(entry.x, y - 12, 14, 14, colour_of(entry.access));
+    canvas.text(entry.x + 20, y, to_string(entry.access), 14, Align::left, kFaintInk);
   }
 }
 
@@ -74,22 +97,22 @@ void draw_key(Canvas& canvas, double y) {
 
 void render_coverage_png(const std::filesystem::path& file, const Part& part, const RayCaster& caster,
                          const Coverage& coverage, std::span<const Viewpoint> viewpoints) {
-  const std::size_t columns =
-      std::clamp<std::size_t>(viewpoints.size(), 2, kPanelsInARow);  // 2: room for the key
-  const std::size_t rows = (viewpoints.size() + columns - 1) / columns;
-  const int height = kTop + static_cast<int>(rows) * (kPanelHeight + kPanelTitle) + kBottom;
-  Canvas canvas(static_cast<int>(columns) * kPanelWidth, height);
-  canvas.text(20, 32,
-              fmt::format("{}: {} views see {:.1f} % of the area", part.name, viewpoints.size(),
-                          100.0 * coverage.seen),
-              22, Align::left, kInk, true);
+  // Rows of about the same length: five views are three and two, not four and one.
+  const std::size_t rows = std::max<std::size_t>(1, (viewpoints.size() + kPanelsInARow - 1) / kPanelsInARow);
+  const std::size_t columns = std::max<std::size_t>(1, (viewpoints.size() + rows - 1) / rows);
+  const int width = static_cast<int>(columns) * kPanelWidth;
+  const int key_top = kTop + static_cast<int>(rows) * (kPanelHeight + kPanelTitle) + 32;
+  const std::vector<KeyEntry> key = key_entries(width);
+  Canvas canvas(width, key_top + kKeyLine * key.back().line + 18);
+  canvas.text(20, 32, fmt::format("{}: {}", part.name, coverage_words(coverage)), columns == 1 ? 17 : 22,
+              Align::left, kInk, true);
   for (std::size_t v = 0; v < viewpoints.size(); ++v) {
     const Vec2 corner(static_cast<double>((v % columns) * kPanelWidth),
                       static_cast<double>(
                           kTop + static_cast<int>(v / columns) * (kPanelHeight + kPanelTitle) + kPanelTitle));
     draw_panel(canvas, corner, part, caster, coverage, v, viewpoints[v]);
   }
-  draw_key(canvas, height - 18);
+  draw_key(canvas, key, key_top);
   canvas.write_png(file);
 }
 

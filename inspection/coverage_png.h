@@ -12,8 +12,9 @@
 
 namespace trueblade {
 
-// One panel a view, four in a row; `viewpoints` are those of the views of `coverage`, in order. Colours as in
-// coverage_svg. `caster` is over the model of `part`. Throws InputError when the file cannot be written.
+// One panel a view, up to four in a row; `viewpoints` are those of the views of `coverage`, in order. Colours
+// as in coverage_svg. `caster` is over the model of `part`. Throws InputError when the file cannot be
+// written.
 void render_coverage_png(const std::filesystem::path& file, const Part& part, const RayCaster& caster,
                          const Coverage& coverage, std::span<const Viewpoint> viewpoints);
 

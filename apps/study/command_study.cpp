@@ -182,12 +182,24 @@ int merge(const MergeOptions& options, bool json) {
 
 void add_show(CLI::App& study, CommandLine& line) {
   auto options = std::make_shared<ShowOptions>();
-  CLI::App* command = study.add_subcommand("show", "Repeat one trial and write its scan and report");
+  CLI::App* command =
+      study.add_subcommand("show", "Repeat one trial of a study as an inspection, with scan and report");
   command->add_option("study", options->study, "Study file (YAML)")->required()->type_name("FILE");
-  command->add_option("--trial", options->trial, "Number of the trial")->required()->type_name("N");
-  command->add_option("--case", options->case_name, "Name of the case (default: the first)")
+  command->add_option("--trial", options->trial, "Number of the trial, from 0: as in messages and trials.csv")
+      ->required()
+      ->type_name("N");
+  command
+      ->add_option("--case", options->case_name, "Name of the case as in the statement (default: the first)")
       ->type_name("NAME");
-  command->add_option("--out", options->out, "Folder of the report")->type_name("DIR");
+  command
+      ->add_option("--out", options->out,
+                   "Folder of the report (default: results/studies/<study name>/trial_<N>)")
+      ->type_name("DIR");
+  command->footer(R"(
+A trial is a function of the study file and its number: the run of the study itself is not needed.
+
+Example:
+  trueblade study show scenarios/studies/lens.yaml --trial 31 --case "100 mm lens" --out /tmp/trial_31)");
   command->callback([options, &line] { line.chosen = [options] { return show(*options); }; });
 }
 
@@ -195,10 +207,21 @@ void add_merge(CLI::App& study, CommandLine& line) {
   auto options = std::make_shared<MergeOptions>();
   CLI::App* command = study.add_subcommand(
       "merge", "Put the trials of several runs of a study together and make the statement");
-  command->add_option("study", options->study, "Study file (YAML)")->required()->type_name("FILE");
-  command->add_option("files", options->files, "trials.sqlite of the runs")->required()->type_name("FILE...");
-  command->add_option("--out", options->out, "Folder of the result")->type_name("DIR");
+  command->add_option("study", options->study, "Study file (YAML) that all runs were made from")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("files", options->files, "trials.sqlite of each run")->required()->type_name("FILE...");
+  command->add_option("--out", options->out, "Folder of the result (default: results/studies/<study name>)")
+      ->type_name("DIR");
   command->add_flag("--csv", options->csv, "Write all trials as trials.csv, too");
+  command->footer(R"(
+The runs hold disjoint ranges of trials of the same study and version of the program; trials that are missing
+between them are named.
+
+Example:
+  trueblade study scenarios/studies/lens.yaml --trials 0:500 --out part_1         on one computer,
+  trueblade study scenarios/studies/lens.yaml --trials 500:1000 --out part_2      on another,
+  trueblade study merge scenarios/studies/lens.yaml part_1/trials.sqlite part_2/trials.sqlite --out all)");
   command->callback(
       [options, &line] { line.chosen = [options, &line] { return merge(*options, line.json); }; });
 }

@@ -9,6 +9,7 @@
 
 #include "apps/study/influences.h"
 #include "apps/study/part_quantities.h"
+#include "apps/study/study_words.h"
 #include "apps/version.h"
 #include "inspection/statistics.h"
 #include "sim/study/paired.h"
@@ -394,6 +395,8 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
     json["cases"].push_back(case_json(study, model, store, run.trials, number));
   json["comparisons"] = comparisons(study, model, store, run.trials);
   json["budget"] = budget(study, model, store, run.trials);
+  json["answer"] = answer_in_words(json);
+  json["terms"] = terms_in_words(json);
   return json;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "apps/wrong_file.h"
 #include "apps/yaml_reader.h"
 
 namespace trueblade {
@@ -84,6 +85,12 @@ void check_study(const StudySpec& study) {
 }
 
 void fields(YamlFields& io, StudySpec& study) {
+  for (const char* key : {"part", "scan"})
+    if (io.holds_foreign(key) && !io.present("scenario"))
+      throw io.error(
+          key,
+          "this is a scenario, must be a study; `trueblade inspect` inspects a scenario, and a study "
+          "names one as scenario: FILE");
   io.text("name", study.name);
   io.text("description", study.description);
   io.require("scenario");
@@ -206,6 +213,7 @@ void add_budget_cases(const StudySpec& study, std::vector<StudyCase>& cases) {
 }  // namespace
 
 StudySpec read_study(const std::filesystem::path& file) {
+  refuse_part_or_scan(file, "a study");
   StudySpec study;
   study.file = file;
   study.name = file.stem().string();

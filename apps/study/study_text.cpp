@@ -53,9 +53,20 @@ std::string settings(const Json& set) {
   return text;
 }
 
+// A case has two lines at most; a long sweep has its table.
+std::string answer(const Json& document) {
+  constexpr std::size_t kMost = 12;
+  const Json& sentences = document["answer"];
+  std::string text = fmt::format("\nAnswer: {}\n", text_of(document["headline"]));
+  for (std::size_t k = 0; k < std::min(kMost, sentences.size()); ++k)
+    text += wrapped(text_of(sentences[k]), 2);
+  if (sentences.size() > kMost) text += fmt::format("  and {} more cases, below\n", sentences.size() - kMost);
+  return text + '\n';
+}
+
 std::string heading(const Json& document) {
   std::string text = fmt::format("Virtual experiment: {}\n", text_of(document["study"]));
-  text += wrapped(text_of(document["description"]));
+  text += wrapped(text_of(document["description"])) + answer(document);
   text += "Scenario " + text_of(document["scenario"]) + "\n";
   if (!document["set"].empty()) text += wrapped("with " + settings(document["set"]));
   text += fmt::format("M = {} trials from trial {}, seed {}, generator {}\n", text_of(document["trials"]),
@@ -246,23 +257,24 @@ std::string influences(const Json& influences, const Json& first_case) {
   return text;
 }
 
-constexpr const char* kLegend =
-    "\nu: standard uncertainty. bias: mean error, registered or measured minus true; it stands beside u and "
-    "is "
-    "not in it.\n"
-    "The standard error of a mean or bias is u / sqrt(values). Intervals hold the coverage probability: "
-    "symmetric, with equal\n"
-    "shares beyond both ends, and shortest. What the stated influences do is stated, and nothing about "
-    "others.\n";
+std::string terms(const Json& document) {
+  std::string text = "\nTerms\n";
+  for (const auto& [term, meaning] : document["terms"].items())
+    text += wrapped(term + ": " + text_of(meaning), 2);
+  return text;
+}
+
+constexpr const char* kLimit =
+    "\nWhat the stated influences do is stated, and nothing about others. Terms are explained at the end.\n";
 
 }  // namespace
 
 std::string study_text(const Json& document) {
   const std::vector<Json> cases = given_cases(document);
-  std::string text = heading(document) + kLegend + overview(document, cases);
+  std::string text = heading(document) + kLimit + overview(document, cases);
   for (const Json& item : cases) text += case_text(item);
   for (const Json& item : document["comparisons"]) text += comparison(item, document["coverage_probability"]);
-  return text + budget(document) + influences(document["influences"], cases.front());
+  return text + budget(document) + influences(document["influences"], cases.front()) + terms(document);
 }
 
 }  // namespace trueblade

@@ -101,11 +101,23 @@ void write_inputs(const ScratchFolder& folder) {
                "lock: {freedoms: [rotation_x, rotation_y, rotation_z, translation_x, translation_y, "
                "translation_z]}\n");
   folder.write("a_file", "in the way\n");
+  folder.write("study.yaml", "name: s\nscenario: cube.yaml\n");
+  folder.write("tab.yaml", "part:\n\tfile: cube.obj\nscan: {views: [{name: front}]}\n");
+  folder.write("comma.yaml", "part: {file: cube.obj, unit: cm}\nscan:\n  spacing_mm: 0,5\n");
+  folder.write("comma_in_braces.yaml", "part: {file: cube.obj, unit: cm}\nscan: {spacing_mm: 0,5}\n");
+  folder.write("comma_in_list.yaml", scenario("{file: cube.obj, unit: cm}",
+                                              "machine: {mcs_from_part: {translation_mm: [0,5, 1, 2]}}\n"));
+  folder.write(
+      "expects_nothing_made.yaml",
+      scenario("{file: cube.obj, unit: cm}",
+               "inspection: {profiles: [{name: top, tolerance_mm: [-1, 1]}]}\n"
+               "expect_part:\n  missing: {value: [0, 0]}\n  profile.top.confroming: {value: [1, 1]}\n"));
 
   folder.write("misspelt.yaml", scenario("{file: cube.obj, unti: cm}"));
   folder.write("out_of_range.yaml", scenario("{file: cube.obj, unit: cm, chord_tolerance_mm: 0}"));
   folder.write("no_unit.yaml", scenario("{file: cube.obj}"));
   folder.write("no_part.yaml", scenario("{file: blade.step}"));
+  folder.write("part_of_others.yaml", scenario("{file: blade.ply, unit: mm, origin: the museum's archive}"));
   folder.write("bomb.yaml", "a: &a [x, x]\nb: [*a, *a]\n");
   folder.write("too_fine.yaml",
                "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: front}], spacing_mm: 1e-6}\n");
@@ -177,6 +189,8 @@ TEST(BadInput, AViewThatCannotBeRegisteredSaysWhy) {
     const ChildResult result = run_trueblade(inspect(file), folder.path());
     EXPECT_EQ(result.exit_code, 2) << file << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos) << file << result.err;
+    EXPECT_NE(result.err.find("view front: "), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("view front: view front: "), std::string::npos) << result.err;
   }
 }
 
@@ -244,7 +258,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"missing", register_cube({"--scan", "none.ply"}), {"none.ply", "no such file"}},
         BadInput{"a unit that makes it ten times the part",
                  register_cube({"--scan", "good.xyz", "--scan-unit", "cm"}),
-                 {"good.xyz", "--scan-unit"}},
+                 {"good.xyz", "--scan-unit", "centimetres and millimetres confused?"}},
+        BadInput{"inches that are millimetres",
+                 register_cube({"--scan", "good.xyz", "--scan-unit", "in"}),
+                 {"good.xyz", "--scan-unit", "inches and millimetres confused?"}},
+        BadInput{"a unit that makes it a thousandth of the part",
+                 register_cube({"--scan", "good.xyz", "--scan-unit", "um"}),
+                 {"good.xyz", "--scan-unit", "metres and millimetres confused?"}},
         BadInput{
             "empty XYZ", register_cube({"--scan", "empty.xyz", "--scan-unit", "mm"}), {"empty.xyz", "empty"}},
         BadInput{
@@ -332,6 +352,29 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"empty", inspect("empty.yaml"), {"empty.yaml", "empty"}},
         BadInput{"a folder", inspect("."), {"not a regular file"}},
         BadInput{"not YAML", inspect("wrong.stl"), {"wrong.stl"}},
+        BadInput{"a part", inspect("cube.obj"), {"cube.obj: is a part, must be a scenario", "part info"}},
+        BadInput{"a scan", inspect("good.xyz"), {"good.xyz: is a scan, must be a scenario", "register"}},
+        BadInput{"a part for a study", {"study", "cube.obj"}, {"cube.obj: is a part, must be a study"}},
+        BadInput{"a study",
+                 inspect("study.yaml"),
+                 {"study.yaml:2: this is a study, must be a scenario", "`trueblade study`"}},
+        BadInput{"a scenario for a study",
+                 {"study", "cube.yaml"},
+                 {"cube.yaml:3: this is a scenario, must be a study", "`trueblade inspect`"}},
+        BadInput{"a tab", inspect("tab.yaml"), {"tab.yaml:2: is indented with a tab, must be with spaces"}},
+        BadInput{"a decimal comma",
+                 inspect("comma.yaml"),
+                 {"comma.yaml:3: spacing_mm is \"0,5\", must be a number with a decimal point: 0.5"}},
+        BadInput{"a decimal comma in braces",
+                 inspect("comma_in_braces.yaml"),
+                 {"comma_in_braces.yaml:2: spacing_mm is \"0,5\"", "decimal point: 0.5"}},
+        BadInput{"a decimal comma in a list",
+                 inspect("comma_in_list.yaml"),
+                 {"translation_mm has 4 numbers, must have 3; they are read as 0 and 5 and 1 and 2"}},
+        BadInput{"a promise about nothing that is made",
+                 {"plan", "expects_nothing_made.yaml", "--out", "out"},
+                 {"expects_nothing_made.yaml:6: expect_part.profile.top.confroming",
+                  "did you mean \"profile.top.conforming\""}},
         BadInput{"misspelt key",
                  inspect("misspelt.yaml"),
                  {"misspelt.yaml:1", "\"unti\"", "did you mean \"unit\""}},
@@ -340,6 +383,9 @@ INSTANTIATE_TEST_SUITE_P(
                  {"out_of_range.yaml:1", "chord_tolerance_mm is 0", "above 0"}},
         BadInput{"unit missing", inspect("no_unit.yaml"), {"cube.obj", "unit"}},
         BadInput{"part missing", inspect("no_part.yaml"), {"blade.step", "no such file"}},
+        BadInput{"part missing that comes from elsewhere",
+                 inspect("part_of_others.yaml"),
+                 {"blade.ply: no such file; it is not part of this project: the museum's archive"}},
         BadInput{"aliases", inspect("bomb.yaml"), {"bomb.yaml:1", "aliases"}},
         BadInput{"a raster of 1e14 cells", inspect("too_fine.yaml"), {"spacing_mm", "cells"}},
         BadInput{"unknown surface", inspect("no_such_surface.yaml"), {"surface 3"}},
@@ -377,15 +423,18 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Usage, BadInputTest,
     testing::Values(
-        BadInput{"no command", {}, {"--help"}},
+        BadInput{"no command", {}, {"trueblade: error: ", "--help"}},
         BadInput{"misspelt command",
                  {"inspct", "cube.yaml"},
                  {"\"trueblade inspct\"", "did you mean \"inspect\""}},
         BadInput{"unknown command", {"frobnicate"}, {"inspect, plan, scan, register, part, regress"}},
         BadInput{"misspelt part command", {"part", "inof", "cube.obj"}, {"did you mean \"info\""}},
-        BadInput{
-            "misspelt option", {"inspect", "cube.yaml", "--sed", "3"}, {"--sed", "did you mean \"--seed\""}},
-        BadInput{"missing argument", {"inspect"}, {"scenario"}},
+        BadInput{"misspelt option",
+                 {"inspect", "cube.yaml", "--sed", "3"},
+                 {"trueblade: error: ", "--sed", "did you mean \"--seed\""}},
+        BadInput{"missing argument",
+                 {"study", "show", "study.yaml"},
+                 {"trueblade: error: --trial is required (`trueblade study show --help` explains)"}},
         BadInput{"missing option", {"scan", "cube.yaml"}, {"--out"}}));
 
 }  // namespace

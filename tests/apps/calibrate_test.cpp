@@ -60,6 +60,8 @@ TEST(Calibrate, FindsWhatTheVirtualMachineIsDrawnWith) {
   within_four_sigma("beam_tilt_2_rad", 0.0);
   within_four_sigma("axis_tilt_1_rad", 0.0);
   within_four_sigma("axis_tilt_2_rad", 0.001);
+  EXPECT_NEAR(json["true_change"]["beam_tilt_1_rad"].get<double>(), 0.005, 1e-7);  // sin of it: 2e-8 less
+  EXPECT_NEAR(json["true_change"]["axis_tilt_2_rad"].get<double>(), 0.001, 1e-9);
   EXPECT_LT(json["standard_uncertainty"]["beam_tilt_1_rad"].get<double>(), 0.0005);
   EXPECT_LT(json["standard_uncertainty"]["axis_shift_1_mm"].get<double>(), 0.001);
   EXPECT_TRUE(json["settled"].get<bool>());
@@ -73,6 +75,16 @@ TEST(Calibrate, FindsWhatTheVirtualMachineIsDrawnWith) {
   EXPECT_NE(text_of(folder / "geometry.yaml").find("# Standard uncertainties"), std::string::npos);
 }
 
+TEST(Calibrate, SaysInWordsWhatHasChangedAndWhatIsNext) {
+  const SphereFolder folder;
+  const ChildResult done = calibrate(folder, {"sphere.yaml", "--out", "geometry.yaml"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  for (const char* words : {"beam turned about x", "beam turned about z", "rotary axis turned about y",
+                            "rotary axis shifted along x", "sphere shifted along z", "true", "0.005000",
+                            "Next: put its block `geometry`"})
+    EXPECT_NE(done.out.find(words), std::string::npos) << words << " in\n" << done.out;
+}
+
 TEST(Calibrate, StoredScansAndAJournalGiveTheSame) {
   const SphereFolder folder;
   ASSERT_EQ(calibrate(folder, {"sphere.yaml", "--out", "geometry.yaml"}).exit_code, 0);
@@ -80,6 +92,7 @@ TEST(Calibrate, StoredScansAndAJournalGiveTheSame) {
   const ChildResult stored = calibrate(folder, {"sphere.yaml", "--scans", "scan_a.ply", "scan_b.ply",
                                                 "scan_c.ply", "scan_d.ply", "--out", "stored.yaml"});
   ASSERT_EQ(stored.exit_code, 0) << stored.err;
+  EXPECT_EQ(stored.out.find("true"), std::string::npos);  // nobody knows whose scans they are
   EXPECT_EQ(text_of(folder / "stored.yaml"), text_of(folder / "geometry.yaml"));
 
   std::string replay = kSphereScenario;

@@ -214,7 +214,10 @@ TEST_F(StudyTest, ThePrintedStatementIsWhole) {
         std::string("The same in every pair: front.points"),
         std::string("fixture_x: fixture on table, shift along x of the fixture\n"
                     "      normal, mean 0, standard deviation 0.1 mm; drawn once for each trial; stated in"),
-        std::string("EXX:")})
+        std::string("EXX:"),
+        std::string("\nAnswer: front.error_translation_x_mm\n  weighted: 90 % of the trials lie from "),
+        std::string("\nTerms\n  standard uncertainty (u): "), std::string("\n  coverage interval: "),
+        std::string("\n  Cramer-Rao bound: ")})
     EXPECT_NE(result.out.find(words), std::string::npos) << words << '\n' << result.out;
 
   // Every case in full, the failed trials with it.
@@ -307,6 +310,7 @@ headline: front.translation_error_mm
   const ChildResult result = run({"budget.yaml", "--out", "run"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   EXPECT_NE(result.out.find("improve sensor_distance first"), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("\n  Sobol index: "), std::string::npos) << result.out;
   const Json budget = document("run")["budget"]["front.translation_error_mm"];
   EXPECT_EQ(budget["sources"].size(), 3u);
   EXPECT_GT(budget["sources"][0]["total"].get<double>(), 0.8);

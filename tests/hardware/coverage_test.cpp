@@ -152,6 +152,9 @@ TEST(CoverageReport, NamesSurfacesViewsAndReasons) {
   EXPECT_NE(table.find("180 deg"), std::string::npos);
   EXPECT_NE(table.find("2 views see 100.0 % of the area of 2 surfaces"), std::string::npos);
   const std::string svg = coverage_svg(coverage, part);
+  const Coverage of_one_view =
+      coverage_of_views({}, standard_lens("25mm"), part, caster, {}, {}, std::vector<double>{0.0}, 1000);
+  EXPECT_TRUE(coverage_words(of_one_view).starts_with("1 view sees ")) << coverage_words(of_one_view);
   EXPECT_EQ(svg.find("<svg"), 0u);
   EXPECT_NE(svg.find("</svg>"), std::string::npos);
   EXPECT_NE(svg.find("faces away"), std::string::npos);

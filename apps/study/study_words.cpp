@@ -1,0 +1,85 @@
+#include "apps/study/study_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace trueblade {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The unit of a number without one is 1, which is not said.
+std::string with_unit(const Json& value, const Json& q) {
+  const auto unit = q["unit"].get<std::string>();
+  const std::string number = value.is_number() ? fmt::format("{:.3g}", value.get<double>()) : "-";
+  return unit == "1" ? number : number + " " + unit;
+}
+
+std::string sentence(const Json& item, const std::string& headline, double coverage_probability) {
+  const auto name = item["name"].get<std::string>();
+  const auto quantities = item.find("quantities");
+  if (quantities == item.end() || !quantities->contains(headline) ||
+      !(*quantities)[headline].contains("mean"))
+    return fmt::format("{}: too few trials have a value of {}", name, headline);
+  const Json& q = (*quantities)[headline];
+  const Json& ends = q["shortest_interval"];
+  return fmt::format("{}: {:.4g} % of the trials lie from {} to {}; mean {}, standard uncertainty {}", name,
+                     100.0 * coverage_probability, with_unit(ends[0], q), with_unit(ends[1], q),
+                     with_unit(q["mean"], q), with_unit(q["standard_uncertainty"], q));
+}
+
+bool has_bound(const Json& document) {
+  const Json& cases = document["cases"];
+  return std::any_of(cases.begin(), cases.end(), [](const Json& item) {
+    if (!item.contains("theory")) return false;
+    const Json& theory = item["theory"];
+    return std::any_of(theory.begin(), theory.end(),
+                       [](const Json& of_view) { return of_view.contains("components"); });
+  });
+}
+
+bool has_sobol_indices(const Json& document) {
+  const Json& budget = document["budget"];
+  return std::any_of(budget.begin(), budget.end(), [](const Json& of_quantity) {
+    const Json& sources = of_quantity["sources"];
+    return std::any_of(sources.begin(), sources.end(), [](const Json& row) { return row.contains("total"); });
+  });
+}
+
+}  // namespace
+
+Json answer_in_words(const Json& document) {
+  Json answer = Json::array();
+  for (const Json& item : document["cases"])
+    if (!item.contains("for_budget"))
+      answer.push_back(sentence(item, document["headline"].get<std::string>(),
+                                document["coverage_probability"].get<double>()));
+  return answer;
+}
+
+Json terms_in_words(const Json& document) {
+  Json terms{
+      {"standard uncertainty (u)",
+       "standard deviation of a quantity over the trials: how much one inspection scatters about the mean"},
+      {"bias",
+       "mean error over the trials, registered or measured minus true; it stands beside u and is not in it"},
+      {"coverage interval",
+       "holds the stated share of the trials (the coverage probability): the symmetric one leaves equal "
+       "shares "
+       "beyond both ends, the shortest one is the shortest that does"},
+      {"standard error", "how well the trials determine a mean or bias: u / sqrt(values)"}};
+  if (has_bound(document))
+    terms["Cramer-Rao bound"] =
+        "the least u of the pose that any unbiased registration of the same points can have, with their "
+        "noise "
+        "alone; u / bound = 1: nothing is given away";
+  if (has_sobol_indices(document))
+    terms["Sobol index"] =
+        "share of a source in the variance (u squared): first order, what would go if the source alone were "
+        "known; total, what would stay if all others were";
+  return terms;
+}
+
+}  // namespace trueblade
