@@ -48,7 +48,7 @@ start() {
   local scenario=$1 build=${TRUEBLADE_BUILD:-}
   command -v linuxcnc >/dev/null || { echo "error: LinuxCNC is not installed: apt-get install linuxcnc-uspace linuxcnc-uspace-dev" >&2; exit 3; }
   [ -n "$build" ] || { build=build/release; [ -x "$build/trueblade-hal" ] || build=build/dev; }
-  for program in trueblade-hal trueblade-virtual-probe; do
+  for program in trueblade-hal trueblade-listen-on.so trueblade-virtual-probe; do
     [ -x "$build/$program" ] || { echo "error: $build/$program is not built (linuxcnc-uspace-dev missing?)" >&2; exit 3; }
   done
   [ -f "$scenario" ] || { echo "error: $scenario is not there" >&2; exit 2; }
@@ -56,9 +56,8 @@ start() {
   scenario=$(realpath "$scenario")
 
   rm -rf "$loop"
-  mkdir -p "$loop/bin"
-  cp hardware/linuxcnc/config/* "$loop/"
-  cp "$build/trueblade-hal" "$build/trueblade-virtual-probe" "$loop/bin/"
+  cp -r hardware/linuxcnc/config "$loop"
+  cp "$build/trueblade-hal" "$build/trueblade-listen-on.so" "$build/trueblade-virtual-probe" "$loop/bin/"
   sed -i "s|^PROGRAM = .*|PROGRAM = $loop/trueblade.ngc|; s|^SCENARIO = .*|SCENARIO = $scenario|" "$loop/trueblade.ini"
   : > "$loop/trueblade.tbl"
   if [ "$(id -u)" -eq 0 ]; then

@@ -99,6 +99,25 @@ def processes_of_the_loop(name):
     return found
 
 
+def listeners_of_the_loop():
+    """Address and port, as /proc/net/tcp writes them, of every socket on which a process started by linuxcnc listens."""
+    sockets = set()
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if f"CONFIG_DIR={LOOP}".encode() in (entry / "environ").read_bytes().split(b"\0"):
+                sockets |= {os.readlink(descriptor) for descriptor in (entry / "fd").iterdir()}
+        except OSError:
+            continue  # ended meanwhile, or another user's
+    found = []
+    for table in ("tcp", "tcp6"):
+        for line in pathlib.Path("/proc/net", table).read_text().splitlines()[1:]:
+            _, local, _, state, *_, inode = line.split()[:10]
+            address, port = local.split(":")
+            if state == "0A" and f"socket:[{inode}]" in sockets:
+                found.append((address, int(port, 16)))
+    return sorted(found)
+
+
 def setUpModule():
     subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=False)
     setUpModule.folder = pathlib.Path(tempfile.mkdtemp())
@@ -269,6 +288,11 @@ class RunningController(unittest.TestCase):
         self.assertEqual(jog.returncode, MACHINE_FAULT, jog.stderr)
         self.assertIn("limit", jog.stderr)
         self.stands_still()
+
+    def test_nothing_listens_beyond_the_loopback(self):
+        loopback = "0100007F"
+        # linuxcncsvr, linuxcncrsh and trueblade-hal, and no other.
+        self.assertEqual(listeners_of_the_loop(), [(loopback, 5005), (loopback, 5007), (loopback, 5008)])
 
     def test_refused_connection_and_wrong_password(self):
         for scenario, word in ((scenario_text(port=5009), "5009"), (scenario_text(password="WRONG"), "password")):
