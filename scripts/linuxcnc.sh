@@ -64,7 +64,7 @@ start() {
     id "$user" >/dev/null 2>&1 || useradd --system --no-create-home --shell /bin/bash "$user"
     chown -R "$user" "$loop"
   fi
-  (as_user setsid bash -c 'echo $$ > "$1/pid"; cd "$1"; exec linuxcnc trueblade.ini > linuxcnc.log 2>&1' _ "$loop" &)
+  (as_user setsid bash -c 'echo $$ > "$1/pid"; cd "$1"; exec linuxcnc -r trueblade.ini > linuxcnc.log 2>&1' _ "$loop" &)
   for _ in $(seq 600); do
     if answers 5007 && answers 5008; then
       echo "linuxcnc: running; commands on port 5007, samples on port 5008, log in $loop/linuxcnc.log"

@@ -323,6 +323,17 @@ class RunningController(unittest.TestCase):
         self.assertIn(f"{out_of_range} fell out of the working range", through.stderr)
         self.assertLess(self.result()["rms_mm"], 0.004)
 
+    def test_what_is_no_request_closes_the_connection(self):
+        with socket.create_connection(("127.0.0.1", 5008), timeout=10) as connection:
+            connection.sendall(b"GET / HTTP/1.1\r\n\r\n")
+            try:
+                while connection.recv(4096):
+                    pass
+            except ConnectionResetError:
+                pass
+        self.assertIn("trueblade-hal: connection closed: a line is no request", (LOOP / "linuxcnc.log").read_text())
+        self.assertEqual(self.machine("status").returncode, 0)
+
     def test_nothing_listens_beyond_the_loopback(self):
         loopback = "0100007F"
         # linuxcncsvr, linuxcncrsh and trueblade-hal, and no other.
