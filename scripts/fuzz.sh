@@ -10,7 +10,7 @@ command -v clang++ >/dev/null || { echo "skipped: clang is not installed (apt-ge
 mkdir -p build/fuzz/corpus
 clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -I. -isystem /usr/include/eigen3 \
   tests/fuzz/network_input_fuzz.cpp geometry/error.cpp hardware/bytes.cpp hardware/machine_driver.cpp hardware/scan_plan.cpp \
-  hardware/linuxcnc/{line_reader,rsh_reply,sample_frame,sample_picker,scan_program}.cpp hardware/recorded/journal.cpp \
+  hardware/linuxcnc/{driver_request,line_reader,rsh_reply,sample_frame,sample_picker,scan_program}.cpp hardware/recorded/journal.cpp \
   -lfmt -lz -o build/fuzz/network_input_fuzz
 exec build/fuzz/network_input_fuzz -max_total_time="$seconds" -max_len=4096 -artifact_prefix=build/fuzz/ \
   build/fuzz/corpus tests/fuzz/corpus

@@ -48,7 +48,7 @@ start() {
   local scenario=$1 build=${TRUEBLADE_BUILD:-}
   command -v linuxcnc >/dev/null || { echo "error: LinuxCNC is not installed: apt-get install linuxcnc-uspace linuxcnc-uspace-dev" >&2; exit 3; }
   [ -n "$build" ] || { build=build/release; [ -x "$build/trueblade-hal" ] || build=build/dev; }
-  for program in trueblade-hal trueblade-virtual-probe; do
+  for program in trueblade-hal trueblade-listen-on.so trueblade-virtual-probe; do
     [ -x "$build/$program" ] || { echo "error: $build/$program is not built (linuxcnc-uspace-dev missing?)" >&2; exit 3; }
   done
   [ -f "$scenario" ] || { echo "error: $scenario is not there" >&2; exit 2; }
@@ -56,16 +56,15 @@ start() {
   scenario=$(realpath "$scenario")
 
   rm -rf "$loop"
-  mkdir -p "$loop/bin"
-  cp hardware/linuxcnc/config/* "$loop/"
-  cp "$build/trueblade-hal" "$build/trueblade-virtual-probe" "$loop/bin/"
+  cp -r hardware/linuxcnc/config "$loop"
+  cp "$build/trueblade-hal" "$build/trueblade-listen-on.so" "$build/trueblade-virtual-probe" "$loop/bin/"
   sed -i "s|^PROGRAM = .*|PROGRAM = $loop/trueblade.ngc|; s|^SCENARIO = .*|SCENARIO = $scenario|" "$loop/trueblade.ini"
   : > "$loop/trueblade.tbl"
   if [ "$(id -u)" -eq 0 ]; then
     id "$user" >/dev/null 2>&1 || useradd --system --no-create-home --shell /bin/bash "$user"
     chown -R "$user" "$loop"
   fi
-  (as_user setsid bash -c 'echo $$ > "$1/pid"; cd "$1"; exec linuxcnc trueblade.ini > linuxcnc.log 2>&1' _ "$loop" &)
+  (as_user setsid bash -c 'echo $$ > "$1/pid"; cd "$1"; exec linuxcnc -r trueblade.ini > linuxcnc.log 2>&1' _ "$loop" &)
   for _ in $(seq 600); do
     if answers 5007 && answers 5008; then
       echo "linuxcnc: running; commands on port 5007, samples on port 5008, log in $loop/linuxcnc.log"

@@ -8,8 +8,7 @@
 // toggles with each), connected (bit, out), samples (u32, out: sent). The HAL file wires watched and alive to
 // the realtime `watchdog`, so that this program's own death stops motion too.
 //
-// One driver at a time. Its requests are lines: samples, quiet, watch, alive, release, hold, and
-// "program BYTES CRC32" followed by that many bytes. Nothing of it reaches a shell.
+// One driver at a time; its requests are those of driver_request.h. Nothing of it reaches a shell.
 #include <arpa/inet.h>
 #include <poll.h>
 #include <sys/socket.h>
@@ -25,14 +24,12 @@
 #include <thread>
 
 #include "geometry/atomic_file.h"
-#include "hardware/bytes.h"
+#include "hardware/linuxcnc/driver_request.h"
 #include "hardware/linuxcnc/hal_records.h"
-#include "hardware/linuxcnc/line_reader.h"
 
 namespace trueblade {
 namespace {
 
-constexpr std::size_t kLongestProgram = 16u << 20;
 constexpr std::size_t kMostUnsent = 1u << 20;  // then samples wait in the sampler's own memory
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
@@ -78,9 +75,8 @@ StreamGreeting greeting_of(const Options& options) {
 struct Driver {
   int socket;
   std::string unsent;
-  std::string unread;
+  DriverRequestReader requests;
   bool wants_samples = false;
-  std::optional<std::pair<std::size_t, std::uint32_t>> program;  // bytes and checksum of the one arriving
 };
 
 class Server {
@@ -127,11 +123,8 @@ class Server {
       ::close(socket);
       return;
     }
-    driver_ = Driver{socket,
-                     frame_bytes(StreamFrame::Type::greeting, greeting_payload(greeting_of(options_))),
-                     {},
-                     false,
-                     {}};
+    driver_ = Driver{
+        socket, frame_bytes(StreamFrame::Type::greeting, greeting_payload(greeting_of(options_))), {}, false};
     connected_.set(true);
   }
 
@@ -153,14 +146,19 @@ class Server {
     }
   }
 
+  // False when the driver is gone, or what it sends is not the protocol: the connection is then closed.
   bool receive() {
     char bytes[65536];
     for (;;) {
       const ssize_t received = ::recv(driver_->socket, bytes, sizeof(bytes), 0);
       if (received == 0) return false;
       if (received < 0) return errno == EAGAIN || errno == EINTR;
-      driver_->unread.append(bytes, static_cast<std::size_t>(received));
-      if (!take_requests()) return false;
+      DriverRequestReader& requests = driver_->requests;
+      requests.feed({bytes, static_cast<std::size_t>(received)});
+      while (const auto request = requests.next()) obey(*request);
+      if (requests.fault().empty()) continue;
+      std::fprintf(stderr, "trueblade-hal: connection closed: %s\n", std::string(requests.fault()).c_str());
+      return false;
     }
   }
 
@@ -174,48 +172,31 @@ class Server {
     return true;
   }
 
-  // False when what comes is not the protocol: the connection is then closed.
-  bool take_requests() {
-    std::string& unread = driver_->unread;
-    for (;;) {
-      if (driver_->program) {
-        const auto [bytes, checksum] = *driver_->program;
-        if (unread.size() < bytes) return true;
-        if (!store(unread.substr(0, bytes), checksum)) return false;
-        unread.erase(0, bytes);
-        driver_->program.reset();
-      }
-      const std::size_t end = unread.find('\n');
-      if (end == std::string::npos) return unread.size() <= LineReader::kLongestLine;
-      const std::string line = unread.substr(0, end);
-      unread.erase(0, end + 1);
-      if (!obey(line)) return false;
+  void obey(const DriverRequest& request) {
+    switch (request.kind) {
+      case DriverRequest::Kind::samples:
+        driver_->wants_samples = true;
+        driver_->unsent += frame_bytes(StreamFrame::Type::samples_begin, "");
+        break;
+      case DriverRequest::Kind::quiet:
+        driver_->wants_samples = false;
+        break;
+      case DriverRequest::Kind::watch:
+        watch();
+        break;
+      case DriverRequest::Kind::alive:
+        alive_.set(life_ = !life_);
+        break;
+      case DriverRequest::Kind::release:
+        watched_pin_.set(watched_ = false);
+        break;
+      case DriverRequest::Kind::hold:
+        hold_.set(true);
+        break;
+      case DriverRequest::Kind::program:
+        store(request.program);
+        break;
     }
-  }
-
-  bool obey(const std::string& line) {
-    if (line == "samples") {
-      driver_->wants_samples = true;
-      driver_->unsent += frame_bytes(StreamFrame::Type::samples_begin, "");
-    } else if (line == "quiet") {
-      driver_->wants_samples = false;
-    } else if (line == "alive") {
-      alive_.set(life_ = !life_);
-    } else if (line == "watch") {
-      watch();
-    } else if (line == "release") {
-      watched_pin_.set(watched_ = false);
-    } else if (line == "hold") {
-      hold_.set(true);
-    } else {
-      unsigned long bytes = 0;
-      unsigned long checksum = 0;
-      char rest = 0;
-      if (std::sscanf(line.c_str(), "program %10lu %10lu%c", &bytes, &checksum, &rest) != 2) return false;
-      if (bytes > kLongestProgram) return false;
-      driver_->program = {bytes, static_cast<std::uint32_t>(checksum)};
-    }
-    return true;
   }
 
   // A watchdog that has bitten bites on until its enable pin has been low for a servo period. The hold ends
@@ -228,17 +209,15 @@ class Server {
     hold_.set(false);
   }
 
-  bool store(const std::string& program, std::uint32_t checksum) {
-    if (crc32_of(program) != checksum) return false;
+  void store(const std::string& program) {
     try {
       write_file_atomically(options_.program, [&](std::ostream& out) { out << program; });
     } catch (const std::exception& failure) {
       driver_->unsent += frame_bytes(StreamFrame::Type::refused,
                                      std::string(failure.what()).substr(0, FrameReader::kLongestPayload));
-      return true;
+      return;
     }
     driver_->unsent += frame_bytes(StreamFrame::Type::program_stored, "");
-    return true;
   }
 
   Options options_;

@@ -6,12 +6,14 @@ the faults that the controller makes on demand.
 
 Exit code 77, with a message, where the controller is not installed or may not be started."""
 import json
+import math
 import os
 import pathlib
 import resource
 import shutil
 import signal
 import socket
+import struct
 import subprocess
 import sys
 import tempfile
@@ -24,6 +26,7 @@ PROGRAM = BUILD / "trueblade"
 LOOP = pathlib.Path(tempfile.gettempdir()) / "trueblade_loop_test"
 ENVIRONMENT = {**os.environ, "TRUEBLADE_BUILD": str(BUILD), "TRUEBLADE_LOOP": str(LOOP)}
 MACHINE_FAULT = 3
+OUT_OF_RANGE = 1  # of a sample's flags
 MIDDLE_BYTES = 2700  # of a journal of about 5,700: a scan in its middle
 
 CONTROLLER = "host: 127.0.0.1, command_port: {port}, sample_port: 5008, reset_estop: true, enable_password: {password}"
@@ -99,6 +102,25 @@ def processes_of_the_loop(name):
     return found
 
 
+def listeners_of_the_loop():
+    """Address and port, as /proc/net/tcp writes them, of every socket on which a process started by linuxcnc listens."""
+    sockets = set()
+    for entry in pathlib.Path("/proc").glob("[0-9]*"):
+        try:
+            if f"CONFIG_DIR={LOOP}".encode() in (entry / "environ").read_bytes().split(b"\0"):
+                sockets |= {os.readlink(descriptor) for descriptor in (entry / "fd").iterdir()}
+        except OSError:
+            continue  # ended meanwhile, or another user's
+    found = []
+    for table in ("tcp", "tcp6"):
+        for line in pathlib.Path("/proc/net", table).read_text().splitlines()[1:]:
+            _, local, _, state, *_, inode = line.split()[:10]
+            address, port = local.split(":")
+            if state == "0A" and f"socket:[{inode}]" in sockets:
+                found.append((address, int(port, 16)))
+    return sorted(found)
+
+
 def setUpModule():
     subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=False)
     setUpModule.folder = pathlib.Path(tempfile.mkdtemp())
@@ -127,6 +149,19 @@ class RunningController(unittest.TestCase):
 
     def result(self):
         return json.loads((self.folder / "run/result.json").read_text())["views"][0]
+
+    def journalled_lines(self):
+        """The flags of the samples of every line, by its height; lines are 6 mm apart (docs/formats.md, journal)."""
+        record = (self.folder / "run/scan.journal").read_bytes()
+        at = record.index(b"\n") + 1
+        lines = {}
+        while at < len(record):
+            kind, length = struct.unpack_from("<BI", record, at)
+            if kind == 2:
+                *axes, flags = struct.unpack_from("<7dB", record, at + 5)
+                lines.setdefault(round(axes[2]), []).append(flags)
+            at += 5 + length + 4
+        return lines
 
     def started_scan(self):
         """The process, in the middle of its scan."""
@@ -269,6 +304,40 @@ class RunningController(unittest.TestCase):
         self.assertEqual(jog.returncode, MACHINE_FAULT, jog.stderr)
         self.assertIn("limit", jog.stderr)
         self.stands_still()
+
+    def test_nothing_in_range_over_whole_lines(self):
+        # Believed half a degree tilted, the part is up to 0.5 mm beside where it is looked for; the lens reads 0.35 mm around.
+        half_rad = math.radians(0.25)
+        tilted = scenario_text().replace("{translation_mm", f"{{rotation_wxyz: [{math.cos(half_rad)}, {math.sin(half_rad)}, 0, 0], translation_mm")
+        through = self.inspect(tilted)
+        self.assertEqual(through.returncode, 0, through.stderr)
+        lines = self.journalled_lines()
+        whole = [flags for flags in lines.values() if all(flag & OUT_OF_RANGE for flag in flags)]
+        self.assertGreaterEqual(len(whole), 3, lines)
+        self.assertLess(len(whole), len(lines), lines)
+        samples = self.result()["samples"]
+        out_of_range = sum(bool(flag & OUT_OF_RANGE) for flags in lines.values() for flag in flags)
+        self.assertEqual(samples["out_of_range"], out_of_range)
+        self.assertEqual(samples["planned"], sum(map(len, lines.values())))
+        self.assertEqual(samples["points"], samples["planned"] - out_of_range - samples["missed"])
+        self.assertIn(f"{out_of_range} fell out of the working range", through.stderr)
+        self.assertLess(self.result()["rms_mm"], 0.004)
+
+    def test_what_is_no_request_closes_the_connection(self):
+        with socket.create_connection(("127.0.0.1", 5008), timeout=10) as connection:
+            connection.sendall(b"GET / HTTP/1.1\r\n\r\n")
+            try:
+                while connection.recv(4096):
+                    pass
+            except ConnectionResetError:
+                pass
+        self.assertIn("trueblade-hal: connection closed: a line is no request", (LOOP / "linuxcnc.log").read_text())
+        self.assertEqual(self.machine("status").returncode, 0)
+
+    def test_nothing_listens_beyond_the_loopback(self):
+        loopback = "0100007F"
+        # linuxcncsvr, linuxcncrsh and trueblade-hal, and no other.
+        self.assertEqual(listeners_of_the_loop(), [(loopback, 5005), (loopback, 5007), (loopback, 5008)])
 
     def test_refused_connection_and_wrong_password(self):
         for scenario, word in ((scenario_text(port=5009), "5009"), (scenario_text(password="WRONG"), "password")):
