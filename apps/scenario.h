@@ -50,8 +50,11 @@ struct Scenario {
   std::map<std::string, PartExpectation> expect_part;  // by the names of judge_part
 };
 
+// What a scenario promises of its own inspection (expect, expect_part, expect_error) says nothing of another.
+void drop_expectations(Scenario& scenario);
+
 // Throws InputError naming file and line. Paths in the file are relative to its folder. A scenario without a
-// name is called after its file.
+// name is called after its file. With overrides it is another one: its expectations are dropped.
 Scenario read_scenario(const std::filesystem::path& file, const std::vector<YamlOverride>& overrides = {});
 
 // The whole scenario with its defaults; reads back to the same scenario.

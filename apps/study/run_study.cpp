@@ -99,7 +99,6 @@ StudyIdentity identity_of(const StudyModel& model) {
     Scenario scenario = item.scenario;
     scenario.name = "study";
     scenario.description.clear();
-    scenario.expect.clear();
     identity.text += fmt::format("case: {}, views {}\n", item.name,
                                  item.views == ViewPolicy::together ? "together" : "separate");
     // A part is known by what is in its file, wherever it lies.

@@ -88,7 +88,6 @@ std::string scan_key_of(const Scenario& scenario) {
   copy.description.clear();
   copy.registration = {};
   copy.inspection = {};
-  copy.expect.clear();
   return scenario_text(copy);
 }
 

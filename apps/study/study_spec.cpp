@@ -140,6 +140,7 @@ Scenario scenario_with(const StudySpec& study, const std::string& name, const st
   for (const FieldValue& item : set) overrides.push_back({item.field, item.value});
   try {
     Scenario scenario = read_scenario(study.scenario, overrides);
+    drop_expectations(scenario);
     scenario.seed = study.seed;
     if (scenario.machine.backend != "simulated")
       throw InputError("machine.backend must be simulated: a study needs to know the truth");

@@ -324,6 +324,22 @@ headline: front.translation_error_mm
     }
 }
 
+// Two trials of each, by their own names. (The budget has a test of its own.)
+TEST_F(StudyTest, TheShippedStudiesRun) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "takes minutes under the sanitizers, which see the same code in the other tests";
+#endif
+  int studies = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TRUEBLADE_SOURCE_DIR "/scenarios/studies")) {
+    const std::string name = entry.path().stem().string();
+    if (name == "budget") continue;
+    const ChildResult result = run({entry.path().string(), "--trials", "2", "--out", name});
+    EXPECT_EQ(result.exit_code, 0) << name << ": " << result.err;
+    ++studies;
+  }
+  EXPECT_EQ(studies, 7);
+}
+
 TEST_F(StudyTest, TheShippedBudgetRuns) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "takes minutes under the sanitizers, which see the same code in the budget above";

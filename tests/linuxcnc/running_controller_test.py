@@ -243,6 +243,16 @@ class RunningController(unittest.TestCase):
         self.stands_still()
         self.completes()
 
+    def test_limit_switch_in_the_middle_of_a_line(self):
+        process = self.started_scan()
+        halcmd("setp", "joint.0.pos-lim-sw-in", "1")
+        try:
+            self.ends_as_a_fault(process, "joint 0 on limit switch")
+        finally:
+            halcmd("setp", "joint.0.pos-lim-sw-in", "0")
+        self.stands_still()
+        self.completes()
+
     def test_full_disk_in_the_middle_of_a_line(self):
         scenario = scenario_text(spacing_mm=4)  # the journal outgrows the files written before it
         # A limit on the size of files stands for the disk.
