@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 namespace trueblade {
 namespace {
@@ -17,13 +19,27 @@ std::string with_unit(const Json& value, const Json& q) {
   return unit == "1" ? number : number + " " + unit;
 }
 
+// The headline of a case: a case whose views have other names (all of them together) has the same quantity of
+// its own first view.
+std::optional<std::string> headline_of(const Json& item, const std::string& headline) {
+  if (!item.contains("quantities")) return std::nullopt;
+  const Json& quantities = item["quantities"];
+  const auto has_value = [&](const std::string& name) {
+    return quantities.contains(name) && quantities[name].contains("mean");
+  };
+  if (has_value(headline)) return headline;
+  const std::string without_view = headline.substr(headline.find('.') + 1);
+  for (const auto& [name, statement] : quantities.items())
+    if (name.substr(name.find('.') + 1) == without_view && has_value(name)) return name;
+  return std::nullopt;
+}
+
 std::string sentence(const Json& item, const std::string& headline, double coverage_probability) {
-  const auto name = item["name"].get<std::string>();
-  const auto quantities = item.find("quantities");
-  if (quantities == item.end() || !quantities->contains(headline) ||
-      !(*quantities)[headline].contains("mean"))
-    return fmt::format("{}: too few trials have a value of {}", name, headline);
-  const Json& q = (*quantities)[headline];
+  auto name = item["name"].get<std::string>();
+  const auto own_headline = headline_of(item, headline);
+  if (!own_headline) return fmt::format("{}: too few trials have a value of {}", name, headline);
+  if (*own_headline != headline) name += fmt::format(" ({})", *own_headline);
+  const Json& q = item["quantities"][*own_headline];
   const Json& ends = q["shortest_interval"];
   return fmt::format("{}: {:.4g} % of the trials lie from {} to {}; mean {}, standard uncertainty {}", name,
                      100.0 * coverage_probability, with_unit(ends[0], q), with_unit(ends[1], q),

@@ -354,6 +354,22 @@ TEST_F(StudyTest, TheShippedBudgetRuns) {
   for (const Json& source : budget["sources"]) EXPECT_TRUE(source.contains("total_error")) << source;
 }
 
+// The views of one case are those of no other: each answers with its own.
+TEST_F(StudyTest, EveryCaseAnswersByItsOwnViews) {
+  write("views.yaml",
+        "scenario: cube.yaml\ntrials: 40\ncoverage_probability: 0.9\nset:\n  - {field: scan.spacing_mm, "
+        "value: 2.0}\nheadline: rms_mm\n"
+        "cases:\n  - {name: apart, views: separate}\n  - {name: at once, views: together}\n");
+  const ChildResult result = run({"views.yaml", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json answer = document("run")["answer"];
+  ASSERT_EQ(answer.size(), 2u) << answer;
+  EXPECT_EQ(answer[0].get<std::string>().rfind("apart: 90 % of the trials lie from", 0), 0u) << answer;
+  EXPECT_EQ(answer[1].get<std::string>().rfind("at once (together.rms_mm): 90 % of the trials lie from", 0),
+            0u)
+      << answer;
+}
+
 TEST_F(StudyTest, AdaptiveNumberOfTrials) {
   write("adaptive.yaml",
         std::string(kStudy) +
