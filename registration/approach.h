@@ -11,7 +11,7 @@
 
 namespace trueblade {
 
-// Noise correlates to 1 / sqrt(n), 0.05 for 500 points; a misfit nearly fully.
+// Noise correlates to 1 / sqrt(n), 0.05 for 400 points; a misfit nearly fully.
 inline constexpr double kMisfitCorrelation = 0.5;
 
 // Correlation of the signed residuals (positive outside the material) of neighbouring points that take part;

@@ -17,11 +17,17 @@ constexpr int kHalvings = 10;  // a step a thousand times shorter than Gauss-New
 constexpr double kScaleChange = 0.05;
 constexpr int kStepsWithNewScale = 20;  // most registrations end before
 
+// A step that takes back more than this share of the last one went too far: each is then at least half as
+// long as the one before.
+constexpr double kTakenBack = 0.5;
+constexpr double kLeastRelaxation = 0.1;  // for steps that go ten times too far
+
 // A step that was taken and is judged at the next look.
 struct Trial {
   RigidTransform from;
-  RigidTransform to;  // where the step leads without acceleration
-  Vec6 step_scaled;   // from -> to
+  RigidTransform to;      // where the step leads without acceleration
+  Vec6 step_scaled;       // from -> to
+  Vec6 full_step_scaled;  // the same before relaxation
   StepFrame frame;
   std::vector<double> weights;  // of the correspondences that the step was computed from
   double objective_mm2;  // sum w d^2 that must not be exceeded: at `from`; for an accelerated pose, at `to`
@@ -178,7 +184,7 @@ class Iteration {
 
   std::optional<Trial> plane_step(Trial& trial) const {
     const NormalEquations& equations = state_.fit.equations;
-    trial.step_scaled = state_.fit.step_scaled;
+    trial.step_scaled = trial.full_step_scaled = state_.fit.step_scaled;
     trial.to = problem_.motion.moved(trial.from, trial.step_scaled, trial.frame);
     const double predicted =
         equations.weighted_squares +
@@ -261,7 +267,28 @@ class Iteration {
     return true;
   }
 
-  void take(const Trial& step) {
+  // Gauss and Newton leave out that the surface bends away under a point at a distance. Where a misfit keeps
+  // distances at small radii, their step goes too far, and back, and so on. Two such steps tell where between
+  // them there would be none: Aitken's relaxation (Kuettler and Wall 2008, eq. 43), in the metric of the
+  // objective. A relaxed iteration stays so.
+  void relax(const Trial& last, Trial& step) {
+    if (options_.step.method != StepMethod::point_to_plane ||
+        options_.acceleration.method != AccelerationMethod::none)
+      return;
+    const Vec6 moved = step.frame.scaled(step_between(last.from, step.from, last.frame.pivot_part_mm));
+    const Mat6& metric = state_.fit.equations.hessian;
+    const bool goes_back = -moved.dot(metric * step.step_scaled) > kTakenBack * moved.dot(metric * moved);
+    if (relaxation_ == 1.0 && !goes_back) return;
+    const Vec6 change = step.full_step_scaled - last.full_step_scaled;
+    const double change_squared = change.dot(metric * change);
+    if (change_squared > 0.0)
+      relaxation_ = std::clamp(-moved.dot(metric * change) / change_squared, kLeastRelaxation, 1.0);
+    step.step_scaled *= relaxation_;
+    step.to = problem_.motion.moved(step.from, step.step_scaled, step.frame);
+  }
+
+  void take(Trial step) {
+    if (trial_) relax(*trial_, step);
     trial_ = step;
     if (!state_.settled) ++unsettled_steps_;
     const bool hold = state_.settled || unsettled_steps_ > kStepsWithNewScale;
@@ -284,6 +311,7 @@ class Iteration {
   std::optional<Trial> trial_;
   std::optional<double> previous_rms_mm_;
   double weighted_squares_at_from_ = 0.0;
+  double relaxation_ = 1.0;
   int unsettled_steps_ = 0;
   std::optional<RejectionScale> held_scale_;  // while the iteration converges
   std::vector<double> released_mm_;           // scales that were held before

@@ -183,7 +183,7 @@ struct TerminationOptions {
   }
 };
 
-// Spatially even subsamples carry the first iterations, 500 points and then this many, each where what
+// Spatially even subsamples carry the first iterations, 400 points and then this many, each where what
 // follows is at least twice as many; the last iterations use all points.
 struct SamplingOptions {
   std::int64_t points = 3000;  // 0: all points in every iteration, from the initial pose alone (approach.h)
