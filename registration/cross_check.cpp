@@ -177,6 +177,12 @@ Eigen::MatrixXd ceres_covariance(const SurfaceDistances& distances, double* alon
   return result;
 }
 
+// Largest difference of two covariances, relative to the standard deviations of row and column.
+double relative_difference(const Eigen::MatrixXd& theirs, const Eigen::MatrixXd& ours) {
+  const Eigen::VectorXd deviation = ours.diagonal().cwiseSqrt();
+  return (theirs - ours).cwiseQuotient(deviation * deviation.transpose()).cwiseAbs().maxCoeff();
+}
+
 void check_closed_form(const RegistrationClaim& claim, CrossCheck& check) {
   const RigidTransform ours =
       absolute_orientation_by_quaternion(claim.position_mcs_mm, claim.closest_part_mm, claim.weights);
@@ -241,15 +247,18 @@ CrossCheck cross_check_registration(const RegistrationClaim& claim) {
   const Eigen::MatrixXd ours = (claim.determined.transpose() * claim.hessian * claim.determined)
                                    .ldlt()
                                    .solve(Eigen::MatrixXd::Identity(m, m));
-  check.covariance_relative_difference =
-      (theirs.diagonal() - ours.diagonal()).cwiseQuotient(ours.diagonal()).cwiseAbs().maxCoeff();
+  check.covariance_relative_difference = relative_difference(theirs, ours);
+  if (claim.sigma_mm && *claim.sigma_mm > 0.0)
+    check.covariance_relative_difference =
+        std::max(check.covariance_relative_difference,
+                 relative_difference(*claim.sigma_mm * *claim.sigma_mm * theirs, covariance));
   const bool same_pose = uncertainties < 0.1 || along.norm() < 1e-9;
   check_closed_form(claim, check);
   const bool same_closed_form =
       check.closed_form_rotation_difference_rad < 1e-10 && check.closed_form_difference_mm < 1e-9;
   check.agrees = same_pose && check.covariance_relative_difference < 0.02 && same_closed_form;
   check.summary = fmt::format(
-      "{}: rotation differs by {:.3g} rad, centroid by {:.3g} mm ({:.3g} standard uncertainties), variances "
+      "{}: rotation differs by {:.3g} rad, centroid by {:.3g} mm ({:.3g} standard uncertainties), covariance "
       "by {:.2g} %; closed form by {:.2g} rad, {:.2g} mm",
       check.agrees ? "agrees" : "disagrees", check.rotation_difference_rad, check.centroid_difference_mm,
       uncertainties, 100.0 * check.covariance_relative_difference, check.closed_form_rotation_difference_rad,

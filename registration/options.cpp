@@ -64,6 +64,37 @@ void validate_values(const RegistrationOptions& o) {
           "1");
 }
 
+// A value that somebody set and nobody reads is a mistake about another option.
+void refuse_without_effect(const RegistrationOptions& o) {
+  const RegistrationOptions unset;
+  const auto needs = [](bool is_set, bool is_read, std::string_view option, std::string_view needed) {
+    refuse(is_set && !is_read, fmt::format("{} is set, but only {} reads it", option, needed));
+  };
+  const RejectionOptions &r = o.rejection, &r0 = unset.rejection;
+  needs(r.cut_sigma != r0.cut_sigma, r.rule == RejectionRule::consistent_cut, "rejection.cut_sigma",
+        "rejection.rule consistent_cut");
+  needs(r.worst_fraction != r0.worst_fraction, r.rule == RejectionRule::worst_fraction,
+        "rejection.worst_fraction", "rejection.rule worst_fraction");
+  needs(r.tukey_constant != r0.tukey_constant, r.rule == RejectionRule::tukey, "rejection.tukey_constant",
+        "rejection.rule tukey");
+  needs(r.welsch_constant != r0.welsch_constant, r.rule == RejectionRule::welsch, "rejection.welsch_constant",
+        "rejection.rule welsch");
+  const AccelerationOptions &a = o.acceleration, &a0 = unset.acceleration;
+  const bool extrapolates = a.method == AccelerationMethod::extrapolation;
+  constexpr std::string_view kExtrapolation = "acceleration.method extrapolation";
+  needs(a.length != a0.length, extrapolates, "acceleration.length", kExtrapolation);
+  needs(a.part != a0.part, extrapolates, "acceleration.part", kExtrapolation);
+  needs(a.maximum_angle_rad != a0.maximum_angle_rad, extrapolates, "acceleration.maximum_angle_rad",
+        kExtrapolation);
+  needs(a.maximum_length_ratio != a0.maximum_length_ratio, extrapolates, "acceleration.maximum_length_ratio",
+        kExtrapolation);
+  needs(a.anderson_depth != a0.anderson_depth, a.method == AccelerationMethod::anderson,
+        "acceleration.anderson_depth", "acceleration.method anderson");
+  needs(o.closest_point.node_structure != unset.closest_point.node_structure,
+        is_node_search(o.closest_point.search), "closest_point.node_structure",
+        "closest_point.search nearest_node_walk or nearest_node_facets");
+}
+
 void validate_combinations(const RegistrationOptions& o) {
   const auto search = o.closest_point.search;
   const auto cache = o.closest_point.cache;
@@ -91,6 +122,7 @@ void validate_combinations(const RegistrationOptions& o) {
   refuse(o.acceleration.method != AccelerationMethod::none && !o.lock.freedoms.empty(),
          fmt::format("acceleration.method {} would leave the locked freedoms of lock.freedoms",
                      to_string(o.acceleration.method)));
+  refuse_without_effect(o);
   refuse(o.lock.freedoms.size() >= 6, "lock.freedoms locks all six freedoms: nothing is left to register");
   auto freedoms = o.lock.freedoms;
   std::sort(freedoms.begin(), freedoms.end());

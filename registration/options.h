@@ -183,8 +183,9 @@ struct TerminationOptions {
   }
 };
 
-// Spatially even subsamples carry the first iterations, 400 points and then this many, each where what
-// follows is at least twice as many; the last iterations use all points.
+// Subsamples carry the first iterations, 400 points and then this many, each where what follows is at least
+// twice as many; the last iterations use all points. Every n-th point along a space-filling curve: even where
+// the scan is.
 struct SamplingOptions {
   std::int64_t points = 3000;  // 0: all points in every iteration, from the initial pose alone (approach.h)
   double until_step_sigma = 0.3;  // largest motion of a point, in sigma, that ends the sampled iterations

@@ -45,10 +45,27 @@ void check_near(const RegistrationTarget& target, const ScanExtent& extent,
         gap, size));
 }
 
-void check_selection(const RegistrationState& state, const RegistrationOptions& options) {
-  if (options.surfaces.empty()) return;
-  if (std::count(state.correspondences.eligible.begin(), state.correspondences.eligible.end(), 1) < 3)
-    throw InputError("surfaces selects surfaces to which fewer than three scan points are closest");
+// The options may leave too few points to the registration.
+void check_selection(const FacetModel& model, const RegistrationState& state,
+                     const RegistrationOptions& options) {
+  const Correspondences& c = state.correspondences;
+  if (std::count(c.eligible.begin(), c.eligible.end(), 1) >= 3) return;
+  const auto on_selected =
+      std::count_if(c.closest.begin(), c.closest.end(), [&](const ClosestPoint& closest) {
+        const std::uint32_t surface = model.surface_of(closest.facet);
+        return options.surfaces.empty() ||
+               std::count(options.surfaces.begin(), options.surfaces.end(), surface) > 0;
+      });
+  if (on_selected < 3)
+    throw InputError(
+        fmt::format("surfaces [{}]: {} of {} points are closest to them; at least three are needed",
+                    fmt::join(options.surfaces, ", "), on_selected, c.size()));
+  if (options.rejection.boundary == BoundaryPolicy::reject)
+    throw InputError(
+        fmt::format("rejection.boundary reject leaves {} of {} points, whose closest points lie off the "
+                    "part's border; at "
+                    "least three are needed",
+                    std::count(c.eligible.begin(), c.eligible.end(), 1), on_selected));
 }
 
 bool uses_exact_surfaces(const RegistrationProblem& problem) {
@@ -120,10 +137,16 @@ CrossCheck cross_check_of(const RegistrationProblem& problem, const WorkingScan&
   std::vector<Vec3> closest_part_mm;
   for (const ClosestPoint& closest : state.correspondences.closest)
     closest_part_mm.push_back(closest.point_mm);
-  return cross_check_registration({problem.target, uses_exact_surfaces(problem), scan.position_mcs_mm,
-                                   closest_part_mm, state.weights, state.part_from_mcs,
-                                   state.correspondences.frame, state.determined, covariance.scaled,
-                                   state.fit.equations.hessian});
+  const RegistrationOptions& options = problem.options;
+  const bool is_plain =
+      options.covariance.noise == NoiseModel::equal &&
+      (options.rejection.rule == RejectionRule::none ||
+       options.rejection.rule == RejectionRule::consistent_cut) &&
+      std::all_of(state.weights.begin(), state.weights.end(), [](double w) { return w == 0.0 || w == 1.0; });
+  return cross_check_registration(
+      {problem.target, uses_exact_surfaces(problem), scan.position_mcs_mm, closest_part_mm, state.weights,
+       state.part_from_mcs, state.correspondences.frame, state.determined, covariance.scaled,
+       state.fit.equations.hessian, is_plain ? std::optional(covariance.sigma_mm) : std::nullopt});
 }
 
 // Near the minimum on the facets first, by subsamples, each at most half of what follows it, or without them
@@ -158,12 +181,11 @@ RegistrationResult register_scan(const RegistrationTarget& target, const ScanPoi
     RegistrationState state;
     state.part_from_mcs = initial_part_from_mcs;
     const Termination termination = register_from(problem, all, state);
-    check_selection(state, options);
+    check_selection(target.model(), state, options);
     const PoseCovariance covariance = pose_covariance(state.correspondences, state.base, state.weights,
                                                       state.fit.scale, state.determined, options);
-    const Eigen::Index weak = is_converged(termination)
-                                  ? weakly_determined(covariance.scaled, state.determined, extent.radius_mm)
-                                  : 0;
+    // A scan that slides about may never converge: it is asked all the same.
+    const Eigen::Index weak = weakly_determined(covariance.scaled, state.determined, extent.radius_mm);
     if (weak == 0) {
       RegistrationResult result = report(target.model(), all, scan.size(), state, covariance, termination);
       if (options.cross_check) result.cross_check = cross_check_of(problem, all, state, covariance);

@@ -41,7 +41,7 @@ struct UndeterminedDirection {
 struct CrossCheck {
   double rotation_difference_rad;
   double centroid_difference_mm;
-  double covariance_relative_difference;  // largest over the diagonal
+  double covariance_relative_difference;  // largest of all elements, over the two standard deviations
   double closed_form_rotation_difference_rad;
   double closed_form_difference_mm;  // largest over the points with weight
   std::string summary;

@@ -29,6 +29,8 @@ void check_points(const ScanPoints& scan) {
 
 WorkingScan prepare_scan(const ScanPoints& scan, const WeightOptions& options) {
   check_points(scan);
+  if (scan.snr.empty() && options.minimum_snr > 0.0)
+    throw InputError(fmt::format("weights.minimum_snr is {}, but the scan has no SNR", options.minimum_snr));
   const bool weighted = options.source == WeightSource::snr && !scan.snr.empty();
   WorkingScan result;
   result.scan_index = spatial_order(scan.position_mcs_mm);
@@ -43,6 +45,8 @@ WorkingScan prepare_scan(const ScanPoints& scan, const WeightOptions& options) {
     result.position_mcs_mm[k] = scan.position_mcs_mm[result.scan_index[k]];
     if (weighted) result.weight[k] = scan.snr[result.scan_index[k]];
   }
+  if (scan.size() < 3)
+    throw InputError(fmt::format("the scan has {} points; at least three are needed", scan.size()));
   if (result.size() < 3)
     throw InputError(
         fmt::format("{} of {} scan points have weight at weights.minimum_snr {}; at least three are needed",

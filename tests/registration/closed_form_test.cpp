@@ -80,7 +80,10 @@ TEST(ClosedForm, ReflectedPairsStillGiveAProperRotation) {
     for (Vec3& n : p.nominal) n.z() = -n.z();
     const auto q = absolute_orientation_by_quaternion(p.measured, p.nominal, p.weights);
     const auto s = absolute_orientation_by_svd(p.measured, p.nominal, p.weights);
-    const auto c = absolute_orientation_by_ceres(p.measured, p.nominal, p.weights, q);
+    // From elsewhere: from a saddle point Ceres would not move.
+    RigidTransform elsewhere = q;
+    elsewhere.rotation = rotation_from_vector(0.3 * rng.normal_vector().normalized()) * q.rotation;
+    const auto c = absolute_orientation_by_ceres(p.measured, p.nominal, p.weights, elsewhere);
     EXPECT_NEAR(s.rotation.toRotationMatrix().determinant(), 1.0, 1e-12);
     EXPECT_LT(rotation_angle_between(q, s), 1e-10) << trial;
     EXPECT_LT(rotation_angle_between(q, c), 1e-10) << trial;

@@ -62,8 +62,10 @@ TEST(PoseCovariance, DescribesTheScatterOfRepeatedScansForEveryRuleAndNoiseModel
   const RegistrationTarget target(ideal.part);
   const RigidTransform truth = shapes::some_pose();
   std::map<std::string, RegistrationOptions> cases;
-  for (const RejectionRule rule : {RejectionRule::none, RejectionRule::consistent_cut,
-                                   RejectionRule::three_sigma, RejectionRule::tukey}) {
+  for (const RejectionRule rule :
+       {RejectionRule::none, RejectionRule::consistent_cut, RejectionRule::three_sigma,
+        RejectionRule::worst_fraction, RejectionRule::least_median_of_squares, RejectionRule::tukey,
+        RejectionRule::welsch}) {
     RegistrationOptions options = preset("default");
     options.rejection.rule = rule;
     cases[to_string(rule)] = options;
@@ -84,6 +86,36 @@ TEST(PoseCovariance, DescribesTheScatterOfRepeatedScansForEveryRuleAndNoiseModel
     // Four standard errors; the residuals' own squares estimate each variance from few points and lose a
     // little.
     EXPECT_NEAR(mean, 6.0, 4.0 * std::sqrt(12.0 / kScans)) << name;
+  }
+}
+
+// Points of unequal noise, sigma / sqrt(snr), weighted by their SNR: the model that says so, and the one that
+// takes every point by its own residual.
+TEST(PoseCovariance, DescribesTheScatterOfWeightedScans) {
+  const Ideal ideal;
+  const RegistrationTarget target(ideal.part);
+  const RigidTransform truth = shapes::some_pose();
+  for (const NoiseModel noise : {NoiseModel::inverse_to_weight, NoiseModel::from_residuals}) {
+    RegistrationOptions options = preset("default");
+    options.covariance.noise = noise;
+    options.rejection.rule = RejectionRule::none;
+    double mean = 0.0;
+    for (std::uint64_t trial = 0; trial < kScans; ++trial) {
+      Rng rng(12, trial, "weighted noise");
+      std::vector<Vec3> points = ideal.point;
+      std::vector<double> snr;
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        snr.push_back(0.1 + 0.9 * rng.uniform());
+        points[i] += 0.003 / std::sqrt(snr.back()) * rng.normal() * ideal.normal[i];
+      }
+      ScanPoints scan = shapes::seen_from(truth, points);
+      scan.snr = snr;
+      const auto result = register_scan(target, scan, truth, options);
+      const Vec6 error = step_between(truth, result.part_from_mcs, ideal.pivot);
+      mean += error.dot(about(result.covariance, result.centroid_part_mm, ideal.pivot).ldlt().solve(error)) /
+              kScans;
+    }
+    EXPECT_NEAR(mean, 6.0, 4.0 * std::sqrt(12.0 / kScans)) << to_string(noise);
   }
 }
 

@@ -101,5 +101,25 @@ TEST(RegistrationOptions, ContradictionsNameBothOptions) {
             "lock.freedoms names rotation_z twice");
 }
 
+TEST(RegistrationOptions, AValueThatNothingReadsIsRefused) {
+  const auto with = [](auto change) {
+    RegistrationOptions options;
+    change(options);
+    return complaint(options);
+  };
+  EXPECT_EQ(with([](auto& o) { o.rejection.worst_fraction = 0.2; }),
+            "rejection.worst_fraction is set, but only rejection.rule worst_fraction reads it");
+  EXPECT_EQ(with([](auto& o) {
+              o.rejection.rule = RejectionRule::tukey;
+              o.rejection.cut_sigma = 5.0;
+            }),
+            "rejection.cut_sigma is set, but only rejection.rule consistent_cut reads it");
+  EXPECT_EQ(with([](auto& o) { o.acceleration.length = ExtrapolationLength::linear; }),
+            "acceleration.length is set, but only acceleration.method extrapolation reads it");
+  EXPECT_EQ(with([](auto& o) { o.closest_point.node_structure = NodeStructure::kd_tree; }),
+            "closest_point.node_structure is set, but only closest_point.search nearest_node_walk or "
+            "nearest_node_facets reads it");
+}
+
 }  // namespace
 }  // namespace trueblade

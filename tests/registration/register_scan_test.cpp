@@ -199,15 +199,22 @@ TEST(RegisterScan, HasTheSameBitsOnAnyNumberOfThreads) {
 // Two paths to one minimum: each stops within 0.02 of the pose's standard uncertainty, 1e-4 mm here.
 TEST(RegisterScan, DoesNotDependOnTheOrderOfThePoints) {
   const Case c(shapes::blade(48, 44), 2000, kFront, 0.003);
-  ScanPoints reversed = c.scan;
-  std::reverse(reversed.position_mcs_mm.begin(), reversed.position_mcs_mm.end());
   const RegistrationTarget target(c.part);
   const auto a = register_scan(target, c.scan, c.start(1.0, kDegree), preset("default"));
-  const auto b = register_scan(target, reversed, c.start(1.0, kDegree), preset("default"));
-  const auto difference = shapes::pose_error(a.part_from_mcs, b.part_from_mcs, c.centroid_mcs_mm);
-  EXPECT_LT(difference.centroid_mm, 1e-9);
-  EXPECT_LT(difference.rotation_rad, 1e-10);
-  EXPECT_TRUE(std::equal(a.is_inlier.begin(), a.is_inlier.end(), b.is_inlier.rbegin()));
+  for (std::uint64_t trial = 0; trial < 5; ++trial) {
+    std::vector<std::size_t> order(c.scan.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    Rng rng(9, trial, "order of the points");
+    for (std::size_t i = order.size(); i-- > 1;)
+      std::swap(order[i], order[static_cast<std::size_t>(rng.uniform() * static_cast<double>(i + 1))]);
+    ScanPoints shuffled;
+    for (const std::size_t i : order) shuffled.position_mcs_mm.push_back(c.scan.position_mcs_mm[i]);
+    const auto b = register_scan(target, shuffled, c.start(1.0, kDegree), preset("default"));
+    const auto difference = shapes::pose_error(a.part_from_mcs, b.part_from_mcs, c.centroid_mcs_mm);
+    EXPECT_LT(difference.centroid_mm, 1e-9);
+    EXPECT_LT(difference.rotation_rad, 1e-10);
+    for (std::size_t k = 0; k < order.size(); ++k) EXPECT_EQ(b.is_inlier[k], a.is_inlier[order[k]]);
+  }
 }
 
 TEST(RegisterScan, DoesNotDependOnOriginsTenMetresAway) {
@@ -316,9 +323,16 @@ TEST(RegisterScan, CrossCheckByCeresAgrees) {
   EXPECT_LT(result.cross_check->closed_form_rotation_difference_rad, 1e-10);
   EXPECT_LT(result.cross_check->closed_form_difference_mm, 1e-9);
 
+  // With freedoms locked and without rejection, too.
+  options.lock.freedoms = {Freedom::rotation_y, Freedom::translation_z};
+  options.rejection.rule = RejectionRule::none;
+  const auto locked = register_scan(target, c.scan, c.start(0.0, 0.0), options);
+  ASSERT_TRUE(locked.cross_check);
+  EXPECT_TRUE(locked.cross_check->agrees) << locked.cross_check->summary;
+  options.lock.freedoms.clear();
+
   // A pose that is not the minimum must be found out.
   options.termination.maximum_iterations = 1;
-  options.rejection.rule = RejectionRule::none;
   const auto early = register_scan(target, c.scan, c.start(0.5, 0.5 * kDegree), options);
   ASSERT_TRUE(early.cross_check);
   EXPECT_FALSE(early.cross_check->agrees) << early.cross_check->summary;
@@ -359,6 +373,22 @@ TEST(RegisterScan, LowSnrPointsAreDroppedByTheFilter) {
   EXPECT_EQ(result.outliers, 250U);
 }
 
+TEST(RegisterScan, ABorderThatTakesEveryPointIsNamed) {
+  const Part part = shapes::plane(20, 20, 4);
+  ScanPoints beside;
+  for (int i = 0; i < 100; ++i) beside.position_mcs_mm.push_back(Vec3(12.0 + 0.01 * i, 0.1 * (i % 7), 0.2));
+  RegistrationOptions options = preset("default");
+  options.rejection.boundary = BoundaryPolicy::reject;
+  try {
+    register_scan(RegistrationTarget(part), beside, {}, options);
+    FAIL() << "no point is left";
+  } catch (const InputError& failure) {
+    EXPECT_STREQ(failure.what(),
+                 "rejection.boundary reject leaves 0 of 100 points, whose closest points lie off the part's "
+                 "border; at least three are needed");
+  }
+}
+
 TEST(RegisterScan, BadInputNamesWhatIsWrong) {
   const Case c(shapes::blade(24, 22), 200, kFront, 0.0);
   const RegistrationTarget target(c.part);
@@ -386,8 +416,13 @@ TEST(RegisterScan, BadInputNamesWhatIsWrong) {
             "scan point 3 is (1, inf, 2), coordinates must be finite");
   EXPECT_EQ(with([](auto& s, auto&) { s.snr.assign(200, 0.0); }),
             "0 of 200 scan points have weight at weights.minimum_snr 0; at least three are needed");
+  EXPECT_EQ(with([](auto& s, auto& o) {
+              s.snr.clear();
+              o.weights.minimum_snr = 0.7;
+            }),
+            "weights.minimum_snr is 0.7, but the scan has no SNR");
   EXPECT_EQ(with([](auto& s, auto&) { s.position_mcs_mm.clear(); }),
-            "0 of 0 scan points have weight at weights.minimum_snr 0; at least three are needed");
+            "the scan has 0 points; at least three are needed");
   EXPECT_EQ(with([](auto& s, auto&) {
               for (std::size_t i = 0; i < s.size(); ++i)
                 s.position_mcs_mm[i] = Vec3(0.1, 0.2, 0.3) * static_cast<double>(i);
@@ -400,7 +435,7 @@ TEST(RegisterScan, BadInputNamesWhatIsWrong) {
   EXPECT_EQ(with([](auto&, auto& o) { o.surfaces = {99}; }),
             "surfaces names 99, but the part's surfaces are 0 to 7");
   EXPECT_EQ(with([](auto&, auto& o) { o.surfaces = {7}; }),
-            "surfaces selects surfaces to which fewer than three scan points are closest");
+            "surfaces [7]: 0 of 200 points are closest to them; at least three are needed");
   RigidTransform bad = start;
   bad.translation_mm.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(complaint(target, c.scan, bad, preset("default")),
