@@ -181,9 +181,12 @@ int main(int argc, char** argv) {
       "| part | facets | threads | bare `rtcIntersect1` | measurements | share | with exact refinement | "
       "share "
       "|\n|---|---|---|---|---|---|---|---|\n");
-  FacetingOptions faceting;
-  faceting.chord_tolerance_mm = 0.005;
-  run_case({"demonstration blade", std::make_shared<const Part>(make_turbine_blade({}, faceting))});
+  for (const double chord_tolerance_mm : {0.02, 0.005}) {
+    FacetingOptions faceting;
+    faceting.chord_tolerance_mm = chord_tolerance_mm;
+    run_case({fmt::format("demonstration blade, chord tolerance {} mm", chord_tolerance_mm),
+              std::make_shared<const Part>(make_turbine_blade({}, faceting))});
+  }
   PartOptions millimetres;
   millimetres.unit = LengthUnit::millimetre;
   auto scanned = std::make_shared<const Part>(read_part(argv[1], millimetres));

@@ -10,6 +10,7 @@
 #include "geometry/facet_edges.h"
 #include "part/exact_ray_hit.h"
 #include "part/facet_parameters.h"
+#include "part/surfaces_around.h"
 #include "sim/deform_model.h"
 
 namespace trueblade {
@@ -52,14 +53,23 @@ std::vector<FacetOutline> outlines_of(const FacetModel& model) {
   return outlines;
 }
 
-// Where the ray meets the CAD surface displaced by the field: the root along the ray of
+struct DisplacedHit {
+  PartHit hit;
+  TrimSide side;  // of the foot point on the CAD surface
+};
+
+// Where the ray meets the CAD surface of a nominal facet displaced by the field: the root along the ray of
 //   (signed distance to the surface) - (displacement along the normal at the foot point).
-std::optional<PartHit> meet_displaced_surface(const VirtualPart& part, const Ray& ray, std::uint32_t surface,
-                                              Vec2 parameters, const PartHit& facet_hit) {
+std::optional<DisplacedHit> meet_displaced_surface(const VirtualPart& part, const Ray& ray,
+                                                   std::uint32_t nominal_facet, const PartHit& facet_hit) {
   constexpr int kMostSteps = 30;          // converges by a factor of the field's slope, or better, per step
   constexpr double kConvergedMm = 1e-10;  // a tenth of what zero errors are held to
   constexpr double kGrazing = 0.02;       // 1.1 degrees between ray and surface: a step would run away
+  const std::uint32_t surface = part.nominal->model.surface_of(nominal_facet);
+  const double facing = facet_hit.normal.dot(ray.direction);
   PartHit hit = facet_hit;
+  Vec2 parameters =
+      parameters_beside(*part.nominal, nominal_facet, ray.origin_mm + hit.range_mm * ray.direction);
   for (int step = 0; step < kMostSteps; ++step) {
     const Vec3 at = ray.origin_mm + hit.range_mm * ray.direction;
     const ExactSurfaces::Projection projection = part.nominal->exact->project(surface, at, parameters);
@@ -70,9 +80,11 @@ std::optional<PartHit> meet_displaced_surface(const VirtualPart& part, const Ray
     const double displaced_mm = normal.dot(part.field->displacement_mm(projection.foot.point_mm, normal));
     const double residual_mm = normal.dot(at - projection.foot.point_mm) - displaced_mm;
     if (std::abs(residual_mm) < kConvergedMm) {
+      if (slope * facing < 0.0) return std::nullopt;  // the other side of it
       hit.displaced_mm = displaced_mm;
+      hit.surface = surface;
       hit.refined = true;
-      return hit;
+      return DisplacedHit{hit, projection.side};
     }
     hit.range_mm -= residual_mm / slope;
     parameters = projection.foot.parameters;
@@ -80,15 +92,32 @@ std::optional<PartHit> meet_displaced_surface(const VirtualPart& part, const Ray
   return std::nullopt;
 }
 
+// As refine_to_exact: the facet's own surface, or where that ends before the ray the first of its neighbours.
+std::optional<PartHit> meet_displaced_part(const VirtualPart& part, const Ray& ray,
+                                           std::uint32_t nominal_facet, const PartHit& facet_hit) {
+  std::optional<PartHit> best;
+  bool best_is_inside = false;
+  const auto try_surface_of = [&](std::uint32_t facet) {
+    const auto met = meet_displaced_surface(part, ray, facet, facet_hit);
+    if (!met) return;
+    const bool is_inside = is_on_face(met->side);
+    if (best &&
+        (best_is_inside > is_inside || (best_is_inside == is_inside && best->range_mm <= met->hit.range_mm)))
+      return;
+    best = met->hit;
+    best_is_inside = is_inside;
+  };
+  try_surface_of(nominal_facet);
+  if (best_is_inside) return best;
+  for (const SurfaceAround& around : part.nominal->surfaces_around->of(nominal_facet))
+    try_surface_of(around.facet);
+  return best;
+}
+
 std::optional<PartHit> meet_exact_surface(const VirtualPart& part, const Ray& ray, const PartHit& facet_hit) {
   const std::uint32_t nominal_facet =
       part.nominal_facet ? (*part.nominal_facet)[facet_hit.facet] : facet_hit.facet;
-  const std::uint32_t surface = part.nominal->model.surface_of(nominal_facet);
-  if (part.field) {
-    const Vec2 start =
-        parameters_beside(*part.nominal, nominal_facet, ray.origin_mm + facet_hit.range_mm * ray.direction);
-    return meet_displaced_surface(part, ray, surface, start, facet_hit);
-  }
+  if (part.field) return meet_displaced_part(part, ray, nominal_facet, facet_hit);
   const auto exact = refine_to_exact(*part.nominal, ray, nominal_facet, facet_hit.range_mm);
   if (!exact) return std::nullopt;
   PartHit hit = facet_hit;

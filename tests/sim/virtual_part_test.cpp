@@ -18,14 +18,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kChordMm = 0.05;  // five times the trimming margin
 
-VirtualPart exact_part(TestShape shape) {
+VirtualPart exact_part(TestShape shape, const FormErrors& form_errors = {}) {
   const TemporaryFolder folder;
   write_test_shape(shape, folder / "shape.step");
   PartOptions options;
   options.faceting.chord_tolerance_mm = kChordMm;
   const auto part = std::make_shared<const Part>(read_part(folder / "shape.step", options));
   const auto caster = std::make_shared<const RayCaster>(part->model);
-  return make_virtual_part(part, caster, PartSurfaceMode::exact, {}, 1, 0);
+  return make_virtual_part(part, caster, PartSurfaceMode::exact, form_errors, 1, 0);
 }
 
 // A cylinder of radius 5 from z = 0 to 12, seen from above at 45 degrees where its side meets its upper
@@ -54,6 +54,32 @@ TEST(VirtualPart, BesideAnEdgeTheBeamMeetsTheNeighbouringSurface) {
     }
   }
   EXPECT_GT(met_the_neighbour, 100);
+}
+
+// The same with a form error that is next to none: the whole cylinder is 1e-9 mm from where it was.
+TEST(VirtualPart, BesideAnEdgeOfADisplacedPartTheBeamMeetsTheNeighbouringSurface) {
+  PlatformShift shift;
+  shift.top_mm = 100.0;
+  shift.shift_mm = Vec3(1e-9, 0.0, 0.0);
+  const VirtualPart part = exact_part(TestShape::cylinder, {shift});
+  int met_the_neighbour = 0;
+  for (int turn = 0; turn < 360; ++turn) {
+    const double angle = std::numbers::pi / 180.0 * (turn + 0.37);
+    const Vec3 outward(std::cos(angle), std::sin(angle), 0.0);
+    for (const double past_circle_mm : {-0.04, -0.02, -0.005, 0.005, 0.03}) {
+      const double range_mm = 20.0;
+      const Vec3 direction = (-outward - Vec3::UnitZ()).normalized();
+      const Ray ray{(5.0 + past_circle_mm) * outward + 12.0 * Vec3::UnitZ() - range_mm * direction,
+                    direction};
+      const auto hit = first_hit(part, ray, kInfinity);
+      ASSERT_TRUE(hit.has_value());
+      EXPECT_TRUE(hit->refined);
+      EXPECT_NEAR(hit->range_mm, range_mm + std::sqrt(2.0) * std::max(0.0, past_circle_mm), 1e-8)
+          << angle << " " << past_circle_mm;
+      met_the_neighbour += hit->surface != part.model->surface_of(hit->facet) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(met_the_neighbour, 50);
 }
 
 // A torus about z whose hole has radius 7: between the nodes its facets stand into the hole. A beam along the
