@@ -80,8 +80,8 @@ void draw_panel(Canvas& canvas, double left, const std::string& title, const std
   }
   for (const Start& s : starts)
     canvas.disc(
-        Vec2(left + kSize * s.distance_mm / kRange_mm, kTop + kSize * (1.0 - s.angle_deg / kRange_deg)), 3.0,
-        1.0, Vec2(1.0, 0.0),
+        Vec2(left + kSize * s.distance_mm / kRange_mm, kTop + kSize * (1.0 - s.angle_deg / kRange_deg)), 2.5,
+        2.5, Vec2(1.0, 0.0),
         s.found  ? kFound
         : s.near ? kNear
                  : kLost);
@@ -113,7 +113,7 @@ int main(int argc, char** argv) {
       "0.5 degrees, by the larger of distance / 20 mm and angle / 20 degrees (starts):\n\n",
       count, points, part.model.facet_count(), kSigma_mm);
   fmt::print("| preset | to 0.2 | to 0.4 | to 0.6 | to 0.8 | to 1 |\n|---|---|---|---|---|---|\n");
-  Canvas canvas(1000, 520);
+  Canvas canvas(1000, 530);
   double left = 60.0;
   for (const std::string_view name : preset_names()) {
     const auto starts = try_starts(target, scan, truth, preset(name), count);
@@ -123,6 +123,8 @@ int main(int argc, char** argv) {
     left += 490.0;
   }
   canvas.text(16.0, 40.0, "degrees", 13.0, Align::left, Colour{0, 0, 0});
+  canvas.text(16.0, 522.0, "blue: found; orange: within 0.5 mm and 0.5 degrees; red: lost", 13.0, Align::left,
+              Colour{0, 0, 0});
   canvas.write_png(argv[1]);
   return 0;
 }
