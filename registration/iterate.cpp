@@ -52,6 +52,15 @@ double rms_of_eligible(const Correspondences& c) {
   return count > 0.0 ? std::sqrt(sum / count) : 0.0;
 }
 
+// Of the robust scale. Where facets stand in for CAD surfaces, planes fit them to the last digit, and by that
+// measure the facets' chord error everywhere else is an outlier: the cut must not fall below it.
+double scale_floor_mm(const RegistrationProblem& problem, bool exact) {
+  const Part& part = problem.target.part();
+  if (exact || !part.exact || problem.options.rejection.rule != RejectionRule::consistent_cut)
+    return problem.floor_mm;
+  return std::max(problem.floor_mm, part.chord_tolerance_mm / problem.options.rejection.cut_sigma);
+}
+
 class Iteration {
  public:
   Iteration(const RegistrationProblem& problem, const WorkingScan& scan, bool exact, RegistrationState& state)
@@ -60,6 +69,7 @@ class Iteration {
         scan_(scan),
         state_(state),
         finder_(problem.target, problem.options, scan.position_mcs_mm, exact),
+        scale_floor_mm_(scale_floor_mm(problem, exact)),
         accelerator_(problem.options.acceleration, problem.extent.centroid_mcs_mm, problem.extent.radius_mm) {
   }
 
@@ -169,7 +179,7 @@ class Iteration {
   std::optional<Trial> next_step() {
     split_directions_here();
     state_.fit = fit_step(correspondences(), state_.base, options_.rejection, state_.determined,
-                          problem_.floor_mm, state_.settled, held_scale_, state_.weights);
+                          scale_floor_mm_, state_.settled, held_scale_, state_.weights);
     const NormalEquations& equations = state_.fit.equations;
     if (equations.count < std::max<std::size_t>(3, static_cast<std::size_t>(state_.determined.cols())))
       return std::nullopt;
@@ -254,7 +264,7 @@ class Iteration {
   bool released_an_old_scale() {
     if (!held_scale_) return false;
     const double sigma_mm =
-        std::max(consistent_sigma_mm(correspondences().distance_mm, state_.base), problem_.floor_mm);
+        std::max(consistent_sigma_mm(correspondences().distance_mm, state_.base), scale_floor_mm_);
     const double held_mm = held_scale_->sigma_mm;
     const auto is_held = [&](double other_mm) {
       return std::abs(other_mm - held_mm) <= kScaleChange * held_mm;
@@ -307,6 +317,7 @@ class Iteration {
   const WorkingScan& scan_;
   RegistrationState& state_;
   CorrespondenceFinder finder_;
+  double scale_floor_mm_;
   Accelerator accelerator_;
   std::optional<Trial> trial_;
   std::optional<double> previous_rms_mm_;

@@ -100,6 +100,28 @@ TEST(ExactSurfaces, PatchesOfTheBladeThatSlideAreFound) {
   EXPECT_LE(not_converged, 1);
 }
 
+// Root, platform and a little of the airfoil: more than half of the points lie on planes, which the facets
+// meet to the last digit. The rest, off by the facets' chord error, must not become outliers by that measure.
+TEST(ExactSurfaces, PlanesDoNotTurnTheRestIntoOutliers) {
+  const Part& part = coarse_blade();
+  const RigidTransform truth = shapes::some_pose();
+  const RegistrationTarget target(part);
+  std::vector<Vec3> points =
+      points_on_surfaces(part, 400, Vec3(std::sin(85.0 * kDegree), std::cos(85.0 * kDegree), 0.0));
+  std::size_t on_airfoil = 0;
+  std::erase_if(points, [&](const Vec3& p) { return p.z() > 3.0 && on_airfoil++ % 8 != 0; });
+  const ScanPoints scan = shapes::seen_from(truth, points);
+  const Vec3 centroid_mcs = shapes::centroid_of(scan.position_mcs_mm);
+  for (std::uint64_t trial = 0; trial < 10; ++trial) {
+    const auto result = register_scan(
+        target, scan, shapes::displaced(truth, 0.2, 0.2 * kDegree, truth * centroid_mcs, 2, trial),
+        preset("default"));
+    EXPECT_TRUE(is_converged(result.termination)) << full_report(result);
+    EXPECT_EQ(result.outliers, 0U) << full_report(result);
+    EXPECT_LT(shapes::pose_error(result.part_from_mcs, truth, centroid_mcs).centroid_mm, 1e-6);
+  }
+}
+
 TEST(ExactSurfaces, CrossCheckByCeresAgrees) {
   const Part& part = coarse_blade();
   std::vector<Vec3> points = points_on_surfaces(part, 1000, Vec3(0.3, 1.0, 0.4));
