@@ -23,8 +23,9 @@ using Column = std::vector<std::pair<std::uint64_t, double>>;  // trial, value
 
 constexpr std::size_t kHistogramBins = 40;
 constexpr std::size_t kScatterPoints = 1000;
-constexpr const char* kSizes[] = {".rotation_error_rad", ".translation_error_mm", ".deviation_error_rms_mm",
-                                  ".normalised_error_squared"};
+constexpr const char* kSizes[] = {".rotation_error_rad",     ".translation_error_mm",
+                                  ".deviation_error_rms_mm", "_largest_mm",
+                                  "_largest_error_mm",       ".normalised_error_squared"};
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -72,7 +73,8 @@ Json histogram(const std::vector<double>& values) {
 }
 
 // Registered or measured minus true, with its sign: its mean is a bias. The mean of a size, such as the angle
-// between two poses, is above zero however good the measurement.
+// between two poses, is above zero however good the measurement; the largest error of many takes either sign
+// by chance, and its mean is near zero however bad.
 bool is_signed_error(const Quantity& quantity) {
   if (quantity.name.find("error_") == std::string::npos) return false;
   return std::none_of(std::begin(kSizes), std::end(kSizes),

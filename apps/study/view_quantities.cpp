@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 
+#include "apps/deviation_error.h"
 #include "apps/study/pose_bound.h"
 #include "inspection/deviations.h"
 #include "inspection/result.h"
@@ -60,23 +61,6 @@ double profile_mm(const SelectedProfile& profile, const std::vector<std::uint32_
   return 2.0 * largest;
 }
 
-// The part of the deviations' errors that comes of the pose: how far the registered pose carries each true
-// point along its normal.
-struct PoseDeviationError {
-  double squares = 0.0, sum = 0.0, largest = 0.0;  // largest by size, with its sign
-  std::size_t count = 0;
-
-  void add(double error_mm) {
-    squares += error_mm * error_mm;
-    sum += error_mm;
-    if (std::abs(error_mm) > std::abs(largest)) largest = error_mm;
-    ++count;
-  }
-  double mean_mm() const { return count > 0 ? sum / static_cast<double>(count) : kNoValue; }
-  double rms_mm() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : kNoValue; }
-  double largest_mm() const { return count > 0 ? largest : kNoValue; }
-};
-
 }  // namespace
 
 SelectedSurfaces selected_surfaces(const StudySpec& study, const Part& part) {
@@ -120,13 +104,13 @@ std::vector<Quantity> view_quantities(const SelectedSurfaces& selected) {
                   "pose error in the metric of its reported covariance; chi-square of 6 when it is right"});
   add_pose_components("bound", "Cramer-Rao bound of the standard deviation for the sensor's noise", list);
   list.push_back(
-      {"deviation_error_rms_mm", "mm", "error of the deviations by the pose, RMS over the points"});
-  list.push_back({"deviation_error_largest_mm", "mm", "the same, largest by size, signed"});
+      {"deviation_error_rms_mm", "mm", "reported minus true deviation of every point, RMS over the points"});
+  list.push_back({"deviation_error_largest_mm", "mm", "the same of one point, largest by size, signed"});
   for (const std::uint32_t surface : selected.surfaces) {
     list.push_back({fmt::format("surface_{}_mean_error_mm", surface), "mm",
-                    "error of the deviations by the pose, mean over the surface's points"});
-    list.push_back(
-        {fmt::format("surface_{}_largest_error_mm", surface), "mm", "the same, largest by size, signed"});
+                    "reported minus true deviation, mean over the surface's points"});
+    list.push_back({fmt::format("surface_{}_largest_error_mm", surface), "mm",
+                    "the same of one point, largest by size, signed"});
   }
   for (const SelectedProfile& profile : selected.profiles)
     list.push_back({fmt::format("profile_{}_error_mm", profile.name), "mm",
@@ -156,10 +140,10 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
                                                            scenario.machine.mcs_from_part.inverse())
                                          : kNoValue);
 
-  // rms, min and max are 10 to 12; the profiles stand at the end.
+  // rms, min and max come next; errors of deviations and profiles stand at the end, and nothing after them.
   std::optional<ReportedDeviations> reported;
-  const bool profiles_wanted = any_wanted(wanted.size() - selected.profiles.size(), selected.profiles.size());
-  if (any_wanted(values.size(), 3) || profiles_wanted)
+  const std::size_t errors = 2 + 2 * selected.surfaces.size() + selected.profiles.size();
+  if (any_wanted(values.size(), 3) || any_wanted(wanted.size() - errors, errors))
     reported = report(target, scenario, scan, result.part_from_mcs);
   values.push_back(reported ? reported->statistics.rms_mm : kNoValue);
   values.push_back(reported ? reported->statistics.min_mm : kNoValue);
@@ -178,14 +162,12 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
   const Vec6 bound = pose_bound(scenario, model, registered, pivot);
   values.insert(values.end(), bound.begin(), bound.end());
 
-  PoseDeviationError all;
-  std::map<std::uint32_t, PoseDeviationError> by_surface;
-  const RigidTransform registered_from_true = result.part_from_mcs * registered.true_part_from_mcs.inverse();
-  for (const TruePoint& point : registered.points) {
-    const Vec3& p = point.hit.point_pcs_mm;
-    const double error_mm = model.facet_normal(point.hit.facet).dot(registered_from_true * p - p);
-    all.add(error_mm);
-    by_surface[point.hit.surface].add(error_mm);
+  DeviationError all;
+  std::map<std::uint32_t, DeviationError> by_surface;
+  for (std::size_t i = 0; reported && i < registered.points.size(); ++i) {
+    const double true_mm = registered.points[i].hit.deviation_mm;
+    all.add(reported->deviations, i, true_mm);
+    by_surface[reported->deviations.surface[i]].add(reported->deviations, i, true_mm);
   }
   values.push_back(all.rms_mm());
   values.push_back(all.largest_mm());
