@@ -78,7 +78,20 @@ void write_results(const StudySpec& study, const StudyModel& model, const StudyR
                folder.string(), csv ? ", trials.csv" : "");
 }
 
-int verdict(const StudyRun& run) {
+// Throws InputError for a case of the study that has no result at all: the statement has nothing of it.
+void require_results(const StudyModel& model, const StudyRun& run, const TrialStore& store) {
+  for (std::uint32_t number = 0; number < model.cases().size(); ++number) {
+    const StudyCase& item = model.cases()[number];
+    if (item.role != StudyCase::Role::given) continue;
+    const auto failures = store.failures(number, run.trials);  // the most frequent first
+    if (failures.empty() || !store.column(number, 0, run.trials).empty()) continue;
+    throw InputError(fmt::format("case \"{}\": no trial has a result; first trial {}: {}", item.name,
+                                 failures.front().first_trial, failures.front().failure));
+  }
+}
+
+int verdict(const StudyModel& model, const StudyRun& run, const TrialStore& store) {
+  require_results(model, run, store);
   if (!run.stopping || run.stopping->stable) return ExitCode::done;
   const StudyRun::Stopping& s = *run.stopping;
   spdlog::warn(
@@ -118,7 +131,7 @@ int coordinate_study(const StudyOptions& options, const StudySpec& study, const 
     return ExitCode::interrupted_by_user;
   }
   write_results(study, model, run, store, folder, options.csv, json);
-  return verdict(run);
+  return verdict(model, run, store);
 }
 
 int run(const StudyOptions& options, bool json) {
@@ -177,7 +190,7 @@ int merge(const MergeOptions& options, bool json) {
   for (const TrialRange& gap : store.missing(run.trials))
     spdlog::warn("trials {} to {} are missing", gap.begin, gap.end - 1);
   write_results(study, model, run, store, folder, options.csv, json);
-  return ExitCode::done;
+  return verdict(model, run, store);
 }
 
 void add_show(CLI::App& study, CommandLine& line) {

@@ -34,8 +34,15 @@ std::optional<std::string> headline_of(const Json& item, const std::string& head
   return std::nullopt;
 }
 
+bool has_only_failures(const Json& item) {
+  std::uint64_t failed = 0;
+  for (const Json& failure : item["failures"]) failed += failure["count"].get<std::uint64_t>();
+  return failed == item["trials"].get<std::uint64_t>();
+}
+
 std::string sentence(const Json& item, const std::string& headline, double coverage_probability) {
   auto name = item["name"].get<std::string>();
+  if (has_only_failures(item)) return name + ": no trial has a result";
   const auto own_headline = headline_of(item, headline);
   if (!own_headline) return fmt::format("{}: too few trials have a value of {}", name, headline);
   if (*own_headline != headline) name += fmt::format(" ({})", *own_headline);

@@ -500,7 +500,14 @@ TEST_F(StudyTest, ScansThatMissThePartAreToldAsInAnInspection) {
 set: [{field: machine.simulation.errors.fixture_y, value: "{mean_mm: -60}"}]
 )");
   const ChildResult result = run({"elsewhere.yaml", "--trials", "3", "--out", "run"});
-  EXPECT_EQ(result.exit_code, 0) << result.err;
+  // Too few trials to stop early: the statement is written, and the reason is the last word.
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  EXPECT_NE(
+      result.err.find("error: case \"scenario\": no trial has a result; first trial 0: view front: none of "),
+      std::string::npos)
+      << result.err;
+  EXPECT_NE(result.out.find("scenario: no trial has a result"), std::string::npos) << result.out;
+  EXPECT_EQ(run({"merge", "elsewhere.yaml", "run/trials.sqlite", "--out", "merged"}).exit_code, 2);
   const Json failures = document("run")["cases"][0]["failures"];
   ASSERT_EQ(failures.size(), 1u) << failures;
   const std::string reason = failures[0]["reason"];
