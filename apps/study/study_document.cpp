@@ -263,7 +263,7 @@ Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore
   if (!item.set.empty()) json["set"] = settings(item.set);
   for (std::size_t k = 0; k < item.sweep_values.size(); ++k)
     json["sweep"][study.sweep[k].field] = item.sweep_values[k];
-  const std::vector<Quantity> of_part = part_quantities(item.scenario);
+  const std::vector<Quantity> of_part = part_quantities(study, item.scenario);
   for (std::size_t k = 0; k < model.quantities().size(); ++k) {
     const Quantity& quantity = model.quantities()[k];
     const Column column = store.column(number, k, trials);

@@ -140,13 +140,13 @@ struct StudyModel::Impl {
       is_kept.emplace_back();
       for (const Quantity& quantity : of_view) {
         const std::string full = view + "." + quantity.name;
-        is_kept.back().push_back(is_wanted(full, quantity.name));
+        is_kept.back().push_back(is_always_kept(quantity.name) || is_wanted(full, quantity.name));
         if (is_kept.back().back()) kept.push_back({full, quantity.unit, quantity.description});
       }
     }
     for (const Quantity& quantity : of_part) {
       const std::string full = std::string(kPart) + "." + quantity.name;
-      if (!is_wanted(full, quantity.name)) continue;
+      if (!quantity.name.starts_with("profile_") && !is_wanted(full, quantity.name)) continue;
       kept_of_part.push_back(quantity.name);
       kept.push_back({full, quantity.unit, quantity.description});
     }
@@ -156,14 +156,14 @@ struct StudyModel::Impl {
     setup.datum_surfaces =
         select_surfaces(setup.part->target.part(), item.scenario.inspection.datum_surfaces);
     std::vector<std::string> wanted;
-    for (const Quantity& quantity : part_quantities(item.scenario))
+    for (const Quantity& quantity : part_quantities(study, item.scenario))
       if (std::find(kept_of_part.begin(), kept_of_part.end(), quantity.name) != kept_of_part.end())
         wanted.push_back(quantity.name);
     if (wanted.empty()) return;
     if (std::find(views.begin(), views.end(), kPart) != views.end())
       throw InputError(fmt::format("a view is named \"{}\", which stands for the part as a whole", kPart));
-    setup.measurands =
-        std::make_shared<PartMeasurands>(setup.part->target, item.scenario, wanted, setup.virtual_part);
+    setup.measurands = std::make_shared<PartMeasurands>(setup.part->target, study, item.scenario,
+                                                        selected.profiles, wanted, setup.virtual_part);
   }
 
   bool is_wanted(const std::string& full, const std::string& name) const {
@@ -302,7 +302,7 @@ StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
   impl_->select_surfaces_of(cases_);
   impl_->of_view = view_quantities(impl_->selected);
   for (const StudyCase& item : cases_)
-    for (const Quantity& quantity : part_quantities(item.scenario))
+    for (const Quantity& quantity : part_quantities(study, item.scenario))
       if (std::none_of(impl_->of_part.begin(), impl_->of_part.end(),
                        [&](const Quantity& known) { return known.name == quantity.name; }))
         impl_->of_part.push_back(quantity);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <optional>
 
@@ -21,6 +20,9 @@ namespace {
 
 constexpr std::array<const char*, 6> kPoseComponents{"rotation_x",    "rotation_y",    "rotation_z",
                                                      "translation_x", "translation_y", "translation_z"};
+
+constexpr std::array<const char*, 5> kAlwaysKept{"error_", "u_", "bound_", "reported_correlation_",
+                                                 "surface_"};
 
 const char* pose_unit(std::size_t component) {
   return component < 3 ? "rad" : "mm";
@@ -46,19 +48,6 @@ ReportedDeviations report(const RegistrationTarget& target, const Scenario& scen
                                             part_from_mcs, {scenario.inspection.surface});
   reported.statistics = statistics_of(reported.deviations.signed_mm, reported.deviations.outliers.is_outlier);
   return reported;
-}
-
-// Profile of a surface: twice the largest deviation from the nominal surface, either side.
-double profile_mm(const SelectedProfile& profile, const std::vector<std::uint32_t>& surface,
-                  const std::function<double(std::size_t)>& deviation_mm) {
-  double largest = kNoValue;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (!profile.surfaces.empty() &&
-        std::find(profile.surfaces.begin(), profile.surfaces.end(), surface[i]) == profile.surfaces.end())
-      continue;
-    largest = std::fmax(largest, std::abs(deviation_mm(i)));  // fmax passes over NaN
-  }
-  return 2.0 * largest;
 }
 
 }  // namespace
@@ -112,10 +101,13 @@ std::vector<Quantity> view_quantities(const SelectedSurfaces& selected) {
     list.push_back({fmt::format("surface_{}_largest_error_mm", surface), "mm",
                     "the same of one point, largest by size, signed"});
   }
-  for (const SelectedProfile& profile : selected.profiles)
-    list.push_back({fmt::format("profile_{}_error_mm", profile.name), "mm",
-                    "profile of the surface as reported minus the true one, noise included"});
   return list;
+}
+
+bool is_always_kept(const std::string& view_quantity) {
+  if (view_quantity == "normalised_error_squared") return true;
+  return std::any_of(kAlwaysKept.begin(), kAlwaysKept.end(),
+                     [&](const char* stem) { return view_quantity.starts_with(stem); });
 }
 
 std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scenario& scenario,
@@ -140,9 +132,9 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
                                                            scenario.machine.mcs_from_part.inverse())
                                          : kNoValue);
 
-  // rms, min and max come next; errors of deviations and profiles stand at the end, and nothing after them.
+  // rms, min and max come next; the errors of deviations stand at the end.
   std::optional<ReportedDeviations> reported;
-  const std::size_t errors = 2 + 2 * selected.surfaces.size() + selected.profiles.size();
+  const std::size_t errors = 2 + 2 * selected.surfaces.size();
   if (any_wanted(values.size(), 3) || any_wanted(wanted.size() - errors, errors))
     reported = report(target, scenario, scan, result.part_from_mcs);
   values.push_back(reported ? reported->statistics.rms_mm : kNoValue);
@@ -174,21 +166,6 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
   for (const std::uint32_t surface : selected.surfaces) {
     values.push_back(by_surface[surface].mean_mm());
     values.push_back(by_surface[surface].largest_mm());
-  }
-
-  for (const SelectedProfile& profile : selected.profiles) {
-    if (!reported) {
-      values.push_back(kNoValue);
-      continue;
-    }
-    std::vector<std::uint32_t> true_surface;
-    for (const TruePoint& point : registered.points) true_surface.push_back(point.hit.surface);
-    const double measured = profile_mm(profile, true_surface, [&](std::size_t i) {
-      return reported->deviations.outliers.is_outlier[i] ? kNoValue : reported->deviations.signed_mm[i];
-    });
-    const double truth = profile_mm(profile, true_surface,
-                                    [&](std::size_t i) { return registered.points[i].hit.deviation_mm; });
-    values.push_back(measured - truth);
   }
   return values;
 }

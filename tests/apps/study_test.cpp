@@ -396,6 +396,34 @@ TEST_F(StudyTest, TheShippedStudiesRun) {
   EXPECT_EQ(studies, 7);
 }
 
+// The first block of YAML in docs/studies.md. Its tolerance, the second block, in the place of the trials.
+TEST_F(StudyTest, TheExampleOfTheDocumentationRuns) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "takes minutes under the sanitizers, which see the same code in the other tests";
+#endif
+  const std::string page = text_of(TRUEBLADE_SOURCE_DIR "/docs/studies.md");
+  const auto block_from = [&](std::size_t from) {
+    const std::size_t begin = page.find("```yaml\n", from) + 8;
+    return page.substr(begin, page.find("```", begin) - begin);
+  };
+  std::string example = block_from(0);
+  example.replace(example.find("../"), 3, TRUEBLADE_SOURCE_DIR "/scenarios/");
+  write("example.yaml", example);
+  const ChildResult result = run({"example.yaml", "--trials", "2", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json quantities = document("run")["cases"][0]["quantities"];
+  for (const char* name : {"front.translation_error_mm", "front.rms_mm", "front.surface_3_mean_error_mm",
+                           "part.profile_airfoil_error_mm", "front.bound_translation_x_mm"})
+    EXPECT_TRUE(quantities.contains(name)) << name << quantities;
+  EXPECT_FALSE(quantities.contains("front.iterations"));
+
+  const std::size_t trials = example.find("trials:");
+  example.erase(trials, example.find('\n', trials) - trials + 1);
+  write("stable.yaml", example + block_from(page.find("In the place of `trials`")));
+  const ChildResult stable = run({"stable.yaml", "--trials", "1", "--out", "stable"});
+  EXPECT_EQ(stable.exit_code, 0) << stable.err;
+}
+
 // A twisted and bowed airfoil seen edge-on: the misfit leaves distances at edges of small radius, where a
 // full step of Gauss and Newton goes too far, and back. These trials once ran into the iteration limit.
 TEST_F(StudyTest, AMisfitAtNarrowEdgesConverges) {
@@ -439,16 +467,17 @@ TEST_F(StudyTest, EveryCaseAnswersByItsOwnViews) {
 }
 
 TEST_F(StudyTest, AdaptiveNumberOfTrials) {
+  std::string study = kStudy;
+  study.erase(study.find("trials: 40\n"), 11);
   write("adaptive.yaml",
-        std::string(kStudy) +
+        study +
             "block: 100\ntolerance: {quantity: front.rms_mm, absolute: 0.01, maximum_trials: "
             "1000}\n");
   ASSERT_EQ(run({"adaptive.yaml", "--out", "run"}).exit_code, 0);
   EXPECT_EQ(document("run")["stopping"]["blocks"], 2);
   EXPECT_EQ(document("run")["trials"], 200);
   write("strict.yaml",
-        std::string(kStudy) +
-            "block: 100\ntolerance: {quantity: front.rms_mm, absolute: 1e-9, maximum_trials: 200}\n");
+        study + "block: 100\ntolerance: {quantity: front.rms_mm, absolute: 1e-9, maximum_trials: 200}\n");
   const ChildResult strict = run({"strict.yaml", "--out", "strict"});
   EXPECT_EQ(strict.exit_code, 1);
   EXPECT_NE(strict.err.find("front.rms_mm is not stable after 2 blocks of 100"), std::string::npos)
@@ -472,6 +501,8 @@ TEST_F(StudyTest, BadInput) {
   expect_refused("scenario: cube.yaml\ntrials: 0\n", "bad.yaml:2: trials is 0");
   expect_refused("scenario: none.yaml\n", "none.yaml: no such file");
   expect_refused("scenario: cube.yaml\nheadline: rms_m\n", "did you mean \"rms_mm\"?");
+  expect_refused(study + "tolerance: {quantity: rms_mm}\n",
+                 "bad.yaml:12: trials and tolerance are both given, must be one of them");
   expect_refused("scenario: cube.yaml\ntolerance: {quantity: rms_mm, maximum_trials: 100}\n",
                  "must be at least two blocks of 10000");
   expect_refused(
