@@ -412,7 +412,7 @@ TEST_F(StudyTest, TheExampleOfTheDocumentationRuns) {
   const ChildResult result = run({"example.yaml", "--trials", "2", "--out", "run"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const Json quantities = document("run")["cases"][0]["quantities"];
-  for (const char* name : {"front.translation_error_mm", "front.rms_mm", "front.surface_3_mean_error_mm",
+  for (const char* name : {"front.translation_error_mm", "front.rms_mm", "front.surface_8_mean_error_mm",
                            "part.profile_airfoil_error_mm", "front.bound_translation_x_mm"})
     EXPECT_TRUE(quantities.contains(name)) << name << quantities;
   EXPECT_FALSE(quantities.contains("front.iterations"));
