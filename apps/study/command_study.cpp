@@ -158,23 +158,26 @@ int run(const StudyOptions& options, bool json) {
 
 int show(const ShowOptions& options) {
   const StudySpec study = read_study(options.study);
-  const std::vector<StudyCase> cases = cases_of(study);
+  const StudyModel model(study, cases_of(study));
+  const std::vector<StudyCase>& cases = model.cases();
   std::vector<std::string> names;
-  const StudyCase* chosen = options.case_name.empty() ? &cases.front() : nullptr;
-  for (const StudyCase& item : cases) {
-    names.push_back(item.name);
-    if (item.name == options.case_name) chosen = &item;
-  }
-  if (!chosen)
+  for (const StudyCase& item : cases) names.push_back(item.name);
+  const auto named =
+      options.case_name.empty() ? names.begin() : std::find(names.begin(), names.end(), options.case_name);
+  if (named == names.end())
     throw InputError(
         fmt::format("--case is \"{}\", must be one of: {}", options.case_name, fmt::join(names, "; ")));
-  Scenario scenario = chosen->scenario;
+  const auto number = static_cast<std::uint32_t>(named - names.begin());
+  Scenario scenario = cases[number].scenario;
   scenario.trial = options.trial;
   const std::filesystem::path folder =
       options.out.empty() ? folder_of(study, {}) / fmt::format("trial_{}", options.trial) : options.out;
   const InspectionRun shown = inspect_scenario(scenario, folder);
   fmt::print("{}\nTrial {} of {}, case {}. Report: {}\n", inspection_table(shown.result), options.trial,
-             study.name, chosen->name, folder.string());
+             study.name, names[number], folder.string());
+  // The inspection goes on where the study sees no result, such as in one view of several.
+  const Outcome outcome = model.evaluate_case(number, options.trial);
+  if (!outcome.failure.empty()) fmt::print("The study counts this trial as failed: {}\n", outcome.failure);
   return ExitCode::done;
 }
 

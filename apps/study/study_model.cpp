@@ -46,6 +46,12 @@ struct TrialScan {
   std::vector<SimulationTruth> truths;
 };
 
+// The last scan of a trial, and what it was made of.
+struct SharedScan {
+  std::optional<TrialScan> scan;
+  std::string key;
+};
+
 bool form_is_random(const Scenario& scenario) {
   const auto sources = active_sources(scenario);
   return std::find(sources.begin(), sources.end(), "form") != sources.end();
@@ -273,6 +279,20 @@ struct StudyModel::Impl {
     }
     return outcome;
   }
+
+  // Scans, unless the case before measured the same, and evaluates.
+  Outcome run_case(const StudyCase& item, std::uint32_t number, std::uint64_t trial,
+                   SharedScan& shared) const {
+    const CaseSetup& setup = setups[number];
+    try {
+      if (!shared.scan || shared.key != setup.scan_key)
+        shared = {scan_trial(item, setup, trial), setup.scan_key};
+      return evaluate_case(item, number, *shared.scan, trial);
+    } catch (const MachineFault& fault) {
+      shared.scan.reset();
+      return {number, trial, fault.what(), std::vector<double>(kept.size(), kNoValue)};
+    }
+  }
 };
 
 StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
@@ -319,20 +339,15 @@ const std::vector<Quantity>& StudyModel::quantities() const {
 
 std::vector<Outcome> StudyModel::evaluate(std::uint64_t trial) const {
   std::vector<Outcome> outcomes;
-  std::optional<TrialScan> scan;
-  const std::string* scanned = nullptr;
-  for (std::uint32_t number = 0; number < cases_.size(); ++number) {
-    const CaseSetup& setup = impl_->setups[number];
-    try {
-      if (!scanned || *scanned != setup.scan_key) scan = scan_trial(cases_[number], setup, trial);
-      scanned = &setup.scan_key;
-      outcomes.push_back(impl_->evaluate_case(cases_[number], number, *scan, trial));
-    } catch (const MachineFault& fault) {
-      scanned = nullptr;
-      outcomes.push_back({number, trial, fault.what(), std::vector<double>(impl_->kept.size(), kNoValue)});
-    }
-  }
+  SharedScan scan;
+  for (std::uint32_t number = 0; number < cases_.size(); ++number)
+    outcomes.push_back(impl_->run_case(cases_[number], number, trial, scan));
   return outcomes;
+}
+
+Outcome StudyModel::evaluate_case(std::uint32_t number, std::uint64_t trial) const {
+  SharedScan scan;
+  return impl_->run_case(cases_[number], number, trial, scan);
 }
 
 }  // namespace trueblade

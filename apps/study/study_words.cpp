@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 
 namespace trueblade {
 namespace {
@@ -80,6 +79,12 @@ Json answer_in_words(const Json& document) {
       answer.push_back(sentence(item, document["headline"].get<std::string>(),
                                 document["coverage_probability"].get<double>()));
   return answer;
+}
+
+std::string advice_in_words(const std::vector<std::string>& sources) {
+  if (sources.size() == 1) return fmt::format("improve {} first", sources.front());
+  return fmt::format("improve {} or {} first (they cannot be told apart with these trials)",
+                     fmt::join(sources.begin(), sources.end() - 1, ", "), sources.back());
 }
 
 Json terms_in_words(const Json& document) {

@@ -369,6 +369,7 @@ headline: front.translation_error_mm
   EXPECT_NE(result.out.find("\n  Sobol index: "), std::string::npos) << result.out;
   const Json budget = document("run")["budget"]["front.translation_error_mm"];
   EXPECT_EQ(budget["sources"].size(), 3u);
+  EXPECT_EQ(budget["improve_first"], Json::array({"sensor_distance"}));
   EXPECT_GT(budget["sources"][0]["total"].get<double>(), 0.8);
   for (std::size_t k = 1; k < 3; ++k) EXPECT_LT(budget["sources"][k]["total"].get<double>(), 0.2);
   // What 60 trials know of an index stands beside it, in the text too.
@@ -378,6 +379,27 @@ headline: front.translation_error_mm
       EXPECT_NE(result.out.find(fmt::format("{:.4g}", source[error].get<double>())), std::string::npos)
           << source;
     }
+}
+
+TEST_F(StudyTest, BudgetDoesNotChooseBetweenSourcesThatItCannotTellApart) {
+  // The same offset along the beam, twice.
+  write("budget.yaml", R"(scenario: cube.yaml
+set:
+  - {field: scan.spacing_mm, value: 2.0}
+  - {field: scan.views, value: "[{name: front}]"}
+  - {field: machine.simulation.errors.sensor_distance, value: "{sigma_mm: 0.02}"}
+  - {field: machine.simulation.errors.EYY, value: "{sigma_mm: 0.02}"}
+budget: [sobol]
+headline: error_translation_y_mm
+)");
+  const ChildResult result = run({"budget.yaml", "--trials", "40", "--out", "run"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const Json of_y = document("run")["budget"]["front.error_translation_y_mm"];
+  EXPECT_EQ(of_y["improve_first"].size(), 2u) << of_y;
+  EXPECT_EQ(of_y["advice"],
+            "improve sensor_distance or EYY first (they cannot be told apart with these trials)");
+  EXPECT_NE(result.out.find("improve sensor_distance or EYY first (they cannot"), std::string::npos)
+      << result.out;
 }
 
 // Two trials of each, by their own names. (The budget has a test of its own.)
@@ -567,6 +589,22 @@ TEST_F(StudyTest, ATrialThatLeavesThePoseUndeterminedIsAFailure) {
   const ChildResult result = run({"plate.yaml", "--out", "run"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_NE(result.err.find("leave 3 of 6 degrees of freedom undetermined"), std::string::npos) << result.err;
+}
+
+TEST_F(StudyTest, AFailedTrialShownAloneSaysWhyItFailed) {
+  write("few.yaml", std::string(kStudy) +
+                        "sweep: [{field: registration.termination.maximum_iterations, values: [100, 1]}]\n");
+  const auto show = [&](const std::string& name) {
+    return run({"show", "few.yaml", "--trial", "3", "--case", name, "--out", "trial"});
+  };
+  const ChildResult failed = show("uniform, maximum_iterations 1");
+  EXPECT_EQ(failed.exit_code, 0) << failed.err;
+  EXPECT_NE(
+      failed.out.find("The study counts this trial as failed: front: the registration did not converge"),
+      std::string::npos)
+      << failed.out;
+  EXPECT_EQ(show("uniform, maximum_iterations 100").out.find("counts this trial as failed"),
+            std::string::npos);
 }
 
 // In this trial of the paper's case a point passes the edge between a rounding and the end plane of the root:
