@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/deviation_error.h"
 #include "apps/evaluate_view.h"
 #include "apps/interrupt.h"
 #include "apps/measure.h"
@@ -80,16 +81,15 @@ void count_samples(const MeasuredView& measured, ViewResult& result) {
 
 // How well the report tells the form of the part that truly stood there.
 void compare_with_true_form(const MeasuredTruth& truth, const Deviations& reported, PoseError& error) {
-  double true_square = 0.0, error_square = 0.0, points = 0.0;
+  DeviationError of_points;
+  double true_square = 0.0;
   for (std::size_t i = 0; i < reported.size(); ++i) {
-    if (reported.outliers.is_outlier[i] || std::isnan(truth.deviation_mm[i])) continue;
-    const double difference_mm = reported.signed_mm[i] - truth.deviation_mm[i];
-    true_square += truth.deviation_mm[i] * truth.deviation_mm[i];
-    error_square += difference_mm * difference_mm;
-    points += 1.0;
+    const std::size_t before = of_points.count;
+    of_points.add(reported, i, truth.deviation_mm[i]);
+    if (of_points.count > before) true_square += truth.deviation_mm[i] * truth.deviation_mm[i];
   }
-  error.true_deviation_rms_mm = std::sqrt(true_square / points);
-  error.deviation_error_rms_mm = std::sqrt(error_square / points);
+  error.true_deviation_rms_mm = std::sqrt(true_square / static_cast<double>(of_points.count));
+  error.deviation_error_rms_mm = of_points.rms_mm();
 }
 
 // A real machine follows its plan blindly, and so does this one: how many samples became points is a result.

@@ -78,7 +78,20 @@ void write_results(const StudySpec& study, const StudyModel& model, const StudyR
                folder.string(), csv ? ", trials.csv" : "");
 }
 
-int verdict(const StudyRun& run) {
+// Throws InputError for a case of the study that has no result at all: the statement has nothing of it.
+void require_results(const StudyModel& model, const StudyRun& run, const TrialStore& store) {
+  for (std::uint32_t number = 0; number < model.cases().size(); ++number) {
+    const StudyCase& item = model.cases()[number];
+    if (item.role != StudyCase::Role::given) continue;
+    const auto failures = store.failures(number, run.trials);  // the most frequent first
+    if (failures.empty() || !store.column(number, 0, run.trials).empty()) continue;
+    throw InputError(fmt::format("case \"{}\": no trial has a result; first trial {}: {}", item.name,
+                                 failures.front().first_trial, failures.front().failure));
+  }
+}
+
+int verdict(const StudyModel& model, const StudyRun& run, const TrialStore& store) {
+  require_results(model, run, store);
   if (!run.stopping || run.stopping->stable) return ExitCode::done;
   const StudyRun::Stopping& s = *run.stopping;
   spdlog::warn(
@@ -118,7 +131,7 @@ int coordinate_study(const StudyOptions& options, const StudySpec& study, const 
     return ExitCode::interrupted_by_user;
   }
   write_results(study, model, run, store, folder, options.csv, json);
-  return verdict(run);
+  return verdict(model, run, store);
 }
 
 int run(const StudyOptions& options, bool json) {
@@ -145,23 +158,26 @@ int run(const StudyOptions& options, bool json) {
 
 int show(const ShowOptions& options) {
   const StudySpec study = read_study(options.study);
-  const std::vector<StudyCase> cases = cases_of(study);
+  const StudyModel model(study, cases_of(study));
+  const std::vector<StudyCase>& cases = model.cases();
   std::vector<std::string> names;
-  const StudyCase* chosen = options.case_name.empty() ? &cases.front() : nullptr;
-  for (const StudyCase& item : cases) {
-    names.push_back(item.name);
-    if (item.name == options.case_name) chosen = &item;
-  }
-  if (!chosen)
+  for (const StudyCase& item : cases) names.push_back(item.name);
+  const auto named =
+      options.case_name.empty() ? names.begin() : std::find(names.begin(), names.end(), options.case_name);
+  if (named == names.end())
     throw InputError(
         fmt::format("--case is \"{}\", must be one of: {}", options.case_name, fmt::join(names, "; ")));
-  Scenario scenario = chosen->scenario;
+  const auto number = static_cast<std::uint32_t>(named - names.begin());
+  Scenario scenario = cases[number].scenario;
   scenario.trial = options.trial;
   const std::filesystem::path folder =
       options.out.empty() ? folder_of(study, {}) / fmt::format("trial_{}", options.trial) : options.out;
   const InspectionRun shown = inspect_scenario(scenario, folder);
   fmt::print("{}\nTrial {} of {}, case {}. Report: {}\n", inspection_table(shown.result), options.trial,
-             study.name, chosen->name, folder.string());
+             study.name, names[number], folder.string());
+  // The inspection goes on where the study sees no result, such as in one view of several.
+  const Outcome outcome = model.evaluate_case(number, options.trial);
+  if (!outcome.failure.empty()) fmt::print("The study counts this trial as failed: {}\n", outcome.failure);
   return ExitCode::done;
 }
 
@@ -177,7 +193,7 @@ int merge(const MergeOptions& options, bool json) {
   for (const TrialRange& gap : store.missing(run.trials))
     spdlog::warn("trials {} to {} are missing", gap.begin, gap.end - 1);
   write_results(study, model, run, store, folder, options.csv, json);
-  return ExitCode::done;
+  return verdict(model, run, store);
 }
 
 void add_show(CLI::App& study, CommandLine& line) {

@@ -24,6 +24,10 @@ std::string offset_quantity(const std::string& group, std::size_t component) {
   return fmt::format("offset_{}_{}_error_{}", group, kComponents[component], component < 3 ? "rad" : "mm");
 }
 
+std::string profile_quantity(const std::string& name) {
+  return fmt::format("profile_{}_error_mm", name);
+}
+
 // The sections between the lowest and the highest have a bow.
 bool is_inner(const std::vector<double>& heights_mm, double height_mm) {
   const auto [lowest, highest] = std::minmax_element(heights_mm.begin(), heights_mm.end());
@@ -71,9 +75,18 @@ std::optional<Vec6> true_offset(const RegisteredPoints& truth, const FacetModel&
   return step_between({}, displaced_from.inverse() * displaced_of, pivot_mm);
 }
 
+// Twice the largest deviation from the nominal surface, either side; NaN of no point.
+double true_profile_mm(const RegisteredPoints& truth, const std::vector<std::uint32_t>& surfaces) {
+  double largest_mm = kNoValue;
+  for (const TruePoint& point : truth.points)
+    if (surfaces.empty() || std::find(surfaces.begin(), surfaces.end(), point.hit.surface) != surfaces.end())
+      largest_mm = std::fmax(largest_mm, std::abs(point.hit.deviation_mm));  // fmax passes over NaN
+  return 2.0 * largest_mm;
+}
+
 }  // namespace
 
-std::vector<Quantity> part_quantities(const Scenario& scenario) {
+std::vector<Quantity> part_quantities(const StudySpec& study, const Scenario& scenario) {
   std::vector<Quantity> list;
   if (const auto& sections = scenario.inspection.sections) {
     for (const double height_mm : sections->heights_mm)
@@ -90,24 +103,28 @@ std::vector<Quantity> part_quantities(const Scenario& scenario) {
       list.push_back({offset_quantity(groups[g].name, k), k < 3 ? "rad" : "mm",
                       fmt::format("{} of the offset of {} from {}, measured minus true", kComponents[k],
                                   groups[g].name, groups.front().name)});
+  for (const ProfileQuantity& profile : study.profiles)
+    list.push_back({profile_quantity(profile.name), "mm",
+                    fmt::format("profile {}, measured minus true, noise included", profile.name)});
   return list;
 }
 
-PartMeasurands::PartMeasurands(const RegistrationTarget& target, const Scenario& scenario,
+PartMeasurands::PartMeasurands(const RegistrationTarget& target, const StudySpec& study,
+                               const Scenario& scenario, const std::vector<SelectedProfile>& profiles,
                                const std::vector<std::string>& wanted,
                                const std::optional<VirtualPart>& fixed_part)
     : target_(target),
       options_(scenario.registration.options),
       surface_(scenario.inspection.surface),
       wanted_(wanted) {
-  if (scenario.part_on_table)
-    throw InputError(
-        "part_on_table: the true sections and offsets of another part are not known; leave it "
-        "out, or the sections and groups");
   const auto wants = [&](const char* kind) {
     return std::any_of(wanted.begin(), wanted.end(),
                        [&](const auto& name) { return name.starts_with(kind); });
   };
+  if (scenario.part_on_table && (wants("section_") || wants("offset_")))
+    throw InputError(
+        "part_on_table: the true sections and offsets of another part are not known; leave it "
+        "out, or the sections and groups");
   if (wants("section_")) {
     spec_.sections = scenario.inspection.sections;
     for (const double height_mm : spec_.sections->heights_mm)
@@ -118,6 +135,12 @@ PartMeasurands::PartMeasurands(const RegistrationTarget& target, const Scenario&
     spec_.groups = scenario.inspection.groups;
     for (const GroupSpec& group : spec_.groups)
       groups_.push_back(select_surfaces(target.part(), group.surfaces));
+  }
+  if (wants("profile_")) {
+    // Equal limits: the profile is about the nominal surface.
+    for (const ProfileQuantity& profile : study.profiles)
+      spec_.profiles.push_back({.name = profile.name, .surfaces = profile.surfaces.texts});
+    profiles_ = profiles;
   }
 }
 
@@ -149,6 +172,10 @@ std::map<std::string, double> PartMeasurands::evaluate(const ScanPoints& scan,
           set(section_quantity(known[s].height_mm, feature.name, feature.unit),
               feature.deviation() - known_feature->deviation());
   }
+  for (const SelectedProfile& profile : profiles_)
+    for (const ProfileResult& found : measured.profiles)
+      if (found.callout.name == profile.name)
+        set(profile_quantity(profile.name), found.profile_mm - true_profile_mm(truth, profile.surfaces));
   for (const PoseDifference& offset : measured.offsets) {
     const auto group = std::find_if(spec_.groups.begin(), spec_.groups.end(),
                                     [&](const GroupSpec& item) { return item.name == offset.of; });

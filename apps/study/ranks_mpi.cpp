@@ -148,9 +148,12 @@ void Ranks::coordinate(const NextTrials& next, const TrialFunction& evaluate, co
   if (size_ == 1) return run_trials(next, evaluate, take);
 
   // A second thread evaluates here; this one speaks with the other ranks. They share `next` and `take`.
+  // After an error no more work is given out, so that the thread comes back with the pieces it has.
   std::mutex mutex;
-  const auto shared_next = [&] {
+  std::atomic<bool> stop = false;
+  const auto shared_next = [&]() -> std::optional<TrialRange> {
     const std::lock_guard lock(mutex);
+    if (stop) return std::nullopt;
     return next();
   };
   const auto shared_take = [&](std::vector<Outcome> outcomes) {
@@ -189,6 +192,7 @@ void Ranks::coordinate(const NextTrials& next, const TrialFunction& evaluate, co
       }
     } catch (...) {
       remote_error = std::current_exception();
+      stop = true;
     }
   }
   local.join();

@@ -23,8 +23,9 @@ using Column = std::vector<std::pair<std::uint64_t, double>>;  // trial, value
 
 constexpr std::size_t kHistogramBins = 40;
 constexpr std::size_t kScatterPoints = 1000;
-constexpr const char* kSizes[] = {".rotation_error_rad", ".translation_error_mm", ".deviation_error_rms_mm",
-                                  ".normalised_error_squared"};
+constexpr const char* kSizes[] = {".rotation_error_rad",     ".translation_error_mm",
+                                  ".deviation_error_rms_mm", "_largest_mm",
+                                  "_largest_error_mm",       ".normalised_error_squared"};
 
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -72,7 +73,8 @@ Json histogram(const std::vector<double>& values) {
 }
 
 // Registered or measured minus true, with its sign: its mean is a bias. The mean of a size, such as the angle
-// between two poses, is above zero however good the measurement.
+// between two poses, is above zero however good the measurement; the largest error of many takes either sign
+// by chance, and its mean is near zero however bad.
 bool is_signed_error(const Quantity& quantity) {
   if (quantity.name.find("error_") == std::string::npos) return false;
   return std::none_of(std::begin(kSizes), std::end(kSizes),
@@ -261,7 +263,7 @@ Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore
   if (!item.set.empty()) json["set"] = settings(item.set);
   for (std::size_t k = 0; k < item.sweep_values.size(); ++k)
     json["sweep"][study.sweep[k].field] = item.sweep_values[k];
-  const std::vector<Quantity> of_part = part_quantities(item.scenario);
+  const std::vector<Quantity> of_part = part_quantities(study, item.scenario);
   for (std::size_t k = 0; k < model.quantities().size(); ++k) {
     const Quantity& quantity = model.quantities()[k];
     const Column column = store.column(number, k, trials);
@@ -313,6 +315,19 @@ Json comparisons(const StudySpec& study, const StudyModel& model, const TrialSto
   return list;
 }
 
+// The first source, and those within two standard errors of it. Sources share the same trials and the same
+// variance, so that their errors are not independent: that of a difference is at most the sum.
+std::vector<std::string> first_sources(const Json& sorted_rows, const std::string& by) {
+  std::vector<std::string> sources;
+  const Json& first = sorted_rows[0];
+  for (const Json& row : sorted_rows) {
+    const double error = first.value(by + "_error", 0.0) + row.value(by + "_error", 0.0);
+    if (sources.empty() || first.value(by, 0.0) - row.value(by, 0.0) <= 2.0 * error)
+      sources.push_back(row["source"]);
+  }
+  return sources;
+}
+
 // Contribution of every source to every quantity.
 Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& store,
             const TrialRange& trials) {
@@ -333,9 +348,11 @@ Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& s
       Json row{{"source", source}};
       if (const auto only = case_with(StudyCase::Role::only_source, source)) {
         const auto values = finite_values(store.column(*only, k, trials));
-        if (values.size() >= least_trials(study.coverage_probability))
-          row["alone_standard_uncertainty"] =
-              statement_of(values, study.coverage_probability).standard_uncertainty;
+        if (values.size() >= least_trials(study.coverage_probability)) {
+          const Statement s = statement_of(values, study.coverage_probability);
+          row["alone_standard_uncertainty"] = s.standard_uncertainty;
+          row["alone_standard_uncertainty_error"] = uncertainty_error(values, s);
+        }
       }
       const auto anew = case_with(StudyCase::Role::source_anew, source);
       if (all_anew && anew) {
@@ -352,10 +369,12 @@ Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& s
       if (row.size() > 1) rows.push_back(row);
     }
     if (rows.empty()) continue;
-    const char* by = all_anew ? "total" : "alone_standard_uncertainty";
+    const std::string by = all_anew ? "total" : "alone_standard_uncertainty";
     std::stable_sort(rows.begin(), rows.end(),
                      [&](const Json& a, const Json& b) { return a.value(by, 0.0) > b.value(by, 0.0); });
-    json[model.quantities()[k].name] = {{"improve_first", rows[0]["source"]}, {"sources", rows}};
+    const std::vector<std::string> first = first_sources(rows, by);
+    json[model.quantities()[k].name] = {
+        {"improve_first", first}, {"advice", advice_in_words(first)}, {"sources", rows}};
   }
   return json;
 }

@@ -46,6 +46,12 @@ struct TrialScan {
   std::vector<SimulationTruth> truths;
 };
 
+// The last scan of a trial, and what it was made of.
+struct SharedScan {
+  std::optional<TrialScan> scan;
+  std::string key;
+};
+
 bool form_is_random(const Scenario& scenario) {
   const auto sources = active_sources(scenario);
   return std::find(sources.begin(), sources.end(), "form") != sources.end();
@@ -140,13 +146,13 @@ struct StudyModel::Impl {
       is_kept.emplace_back();
       for (const Quantity& quantity : of_view) {
         const std::string full = view + "." + quantity.name;
-        is_kept.back().push_back(is_wanted(full, quantity.name));
+        is_kept.back().push_back(is_always_kept(quantity.name) || is_wanted(full, quantity.name));
         if (is_kept.back().back()) kept.push_back({full, quantity.unit, quantity.description});
       }
     }
     for (const Quantity& quantity : of_part) {
       const std::string full = std::string(kPart) + "." + quantity.name;
-      if (!is_wanted(full, quantity.name)) continue;
+      if (!quantity.name.starts_with("profile_") && !is_wanted(full, quantity.name)) continue;
       kept_of_part.push_back(quantity.name);
       kept.push_back({full, quantity.unit, quantity.description});
     }
@@ -156,14 +162,14 @@ struct StudyModel::Impl {
     setup.datum_surfaces =
         select_surfaces(setup.part->target.part(), item.scenario.inspection.datum_surfaces);
     std::vector<std::string> wanted;
-    for (const Quantity& quantity : part_quantities(item.scenario))
+    for (const Quantity& quantity : part_quantities(study, item.scenario))
       if (std::find(kept_of_part.begin(), kept_of_part.end(), quantity.name) != kept_of_part.end())
         wanted.push_back(quantity.name);
     if (wanted.empty()) return;
     if (std::find(views.begin(), views.end(), kPart) != views.end())
       throw InputError(fmt::format("a view is named \"{}\", which stands for the part as a whole", kPart));
-    setup.measurands =
-        std::make_shared<PartMeasurands>(setup.part->target, item.scenario, wanted, setup.virtual_part);
+    setup.measurands = std::make_shared<PartMeasurands>(setup.part->target, study, item.scenario,
+                                                        selected.profiles, wanted, setup.virtual_part);
   }
 
   bool is_wanted(const std::string& full, const std::string& name) const {
@@ -273,6 +279,20 @@ struct StudyModel::Impl {
     }
     return outcome;
   }
+
+  // Scans, unless the case before measured the same, and evaluates.
+  Outcome run_case(const StudyCase& item, std::uint32_t number, std::uint64_t trial,
+                   SharedScan& shared) const {
+    const CaseSetup& setup = setups[number];
+    try {
+      if (!shared.scan || shared.key != setup.scan_key)
+        shared = {scan_trial(item, setup, trial), setup.scan_key};
+      return evaluate_case(item, number, *shared.scan, trial);
+    } catch (const MachineFault& fault) {
+      shared.scan.reset();
+      return {number, trial, fault.what(), std::vector<double>(kept.size(), kNoValue)};
+    }
+  }
 };
 
 StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
@@ -302,7 +322,7 @@ StudyModel::StudyModel(const StudySpec& study, std::vector<StudyCase> cases)
   impl_->select_surfaces_of(cases_);
   impl_->of_view = view_quantities(impl_->selected);
   for (const StudyCase& item : cases_)
-    for (const Quantity& quantity : part_quantities(item.scenario))
+    for (const Quantity& quantity : part_quantities(study, item.scenario))
       if (std::none_of(impl_->of_part.begin(), impl_->of_part.end(),
                        [&](const Quantity& known) { return known.name == quantity.name; }))
         impl_->of_part.push_back(quantity);
@@ -319,20 +339,15 @@ const std::vector<Quantity>& StudyModel::quantities() const {
 
 std::vector<Outcome> StudyModel::evaluate(std::uint64_t trial) const {
   std::vector<Outcome> outcomes;
-  std::optional<TrialScan> scan;
-  const std::string* scanned = nullptr;
-  for (std::uint32_t number = 0; number < cases_.size(); ++number) {
-    const CaseSetup& setup = impl_->setups[number];
-    try {
-      if (!scanned || *scanned != setup.scan_key) scan = scan_trial(cases_[number], setup, trial);
-      scanned = &setup.scan_key;
-      outcomes.push_back(impl_->evaluate_case(cases_[number], number, *scan, trial));
-    } catch (const MachineFault& fault) {
-      scanned = nullptr;
-      outcomes.push_back({number, trial, fault.what(), std::vector<double>(impl_->kept.size(), kNoValue)});
-    }
-  }
+  SharedScan scan;
+  for (std::uint32_t number = 0; number < cases_.size(); ++number)
+    outcomes.push_back(impl_->run_case(cases_[number], number, trial, scan));
   return outcomes;
+}
+
+Outcome StudyModel::evaluate_case(std::uint32_t number, std::uint64_t trial) const {
+  SharedScan scan;
+  return impl_->run_case(cases_[number], number, trial, scan);
 }
 
 }  // namespace trueblade

@@ -25,6 +25,7 @@ class StudyModel {
 
   // Const functions may run from any number of threads.
   std::vector<Outcome> evaluate(std::uint64_t trial) const;
+  Outcome evaluate_case(std::uint32_t number, std::uint64_t trial) const;  // one case alone
 
  private:
   struct Impl;

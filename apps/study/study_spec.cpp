@@ -112,6 +112,12 @@ void fields(YamlFields& io, StudySpec& study) {
   surfaces_field(io, study.surfaces);
   io.list<ProfileQuantity>("profiles", study.profiles,
                            [](YamlFields& inner, ProfileQuantity& item) { fields(inner, item); });
+  if (study.headline.empty() && !study.quantities.empty()) study.headline = study.quantities.front();
+  if (io.present("trials") && study.tolerance)
+    throw io.error(
+        "tolerance",
+        "trials and tolerance are both given, must be one of them: so many trials, or as many as the "
+        "tolerance needs");
   io.check([&] { check_study(study); });
 }
 

@@ -66,8 +66,9 @@ struct StudySpec {
   std::vector<CaseSpec> cases;   // empty: the scenario as it is
   std::vector<SweepSpec> sweep;  // every case with every combination of values
   std::vector<BudgetMethod> budget;
-  std::string headline;                   // quantity of the running estimate, the budget and the plots
-  std::vector<std::string> quantities;    // to keep, with or without their view; empty: all
+  // Of the running estimate, the budget and the plots; not given: the first of `quantities`.
+  std::string headline;
+  std::vector<std::string> quantities;    // to keep beside those always kept; empty: all
   SurfaceTexts surfaces;                  // whose deviation error is kept by itself
   std::vector<ProfileQuantity> profiles;  // profile of a surface, each over its surfaces
 };

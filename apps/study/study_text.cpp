@@ -218,14 +218,15 @@ std::string budget(const Json& document) {
   const std::string headline = text_of(document["headline"]);
   if (!document["budget"].contains(headline)) return "";
   const Json& b = document["budget"][headline];
-  std::string text = fmt::format("\nBudget of {}: improve {} first\n", headline, text_of(b["improve_first"]));
-  text += fmt::format("{:20} {:>14} {:>14} {:>15} {:>14} {:>15}\n", "source", "u alone", "first order",
-                      "standard error", "total", "standard error");
+  std::string text = "\n" + wrapped(fmt::format("Budget of {}: {}", headline, text_of(b["advice"])));
+  constexpr const char* kSourceRow = "{:20} {:>14} {:>15} {:>14} {:>15} {:>14} {:>15}\n";
+  text += fmt::format(kSourceRow, "source", "u alone", "standard error", "first order", "standard error",
+                      "total", "standard error");
   for (const Json& row : b["sources"]) {
     const auto cell = [&](const char* key) { return short_number(row.value(key, Json())); };
-    text += fmt::format("{:20} {:>14} {:>14} {:>15} {:>14} {:>15}\n", text_of(row["source"]),
-                        cell("alone_standard_uncertainty"), cell("first_order"), cell("first_order_error"),
-                        cell("total"), cell("total_error"));
+    text += fmt::format(kSourceRow, text_of(row["source"]), cell("alone_standard_uncertainty"),
+                        cell("alone_standard_uncertainty_error"), cell("first_order"),
+                        cell("first_order_error"), cell("total"), cell("total_error"));
   }
   for (const Json& item : document["cases"])
     if (item.contains("for_budget") && !item["failures"].empty())

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
 
 namespace trueblade {
 namespace {
@@ -34,8 +33,15 @@ std::optional<std::string> headline_of(const Json& item, const std::string& head
   return std::nullopt;
 }
 
+bool has_only_failures(const Json& item) {
+  std::uint64_t failed = 0;
+  for (const Json& failure : item["failures"]) failed += failure["count"].get<std::uint64_t>();
+  return failed == item["trials"].get<std::uint64_t>();
+}
+
 std::string sentence(const Json& item, const std::string& headline, double coverage_probability) {
   auto name = item["name"].get<std::string>();
+  if (has_only_failures(item)) return name + ": no trial has a result";
   const auto own_headline = headline_of(item, headline);
   if (!own_headline) return fmt::format("{}: too few trials have a value of {}", name, headline);
   if (*own_headline != headline) name += fmt::format(" ({})", *own_headline);
@@ -73,6 +79,12 @@ Json answer_in_words(const Json& document) {
       answer.push_back(sentence(item, document["headline"].get<std::string>(),
                                 document["coverage_probability"].get<double>()));
   return answer;
+}
+
+std::string advice_in_words(const std::vector<std::string>& sources) {
+  if (sources.size() == 1) return fmt::format("improve {} first", sources.front());
+  return fmt::format("improve {} or {} first (they cannot be told apart with these trials)",
+                     fmt::join(sources.begin(), sources.end() - 1, ", "), sources.back());
 }
 
 Json terms_in_words(const Json& document) {

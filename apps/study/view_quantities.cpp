@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <optional>
 
+#include "apps/deviation_error.h"
 #include "apps/study/pose_bound.h"
 #include "inspection/deviations.h"
 #include "inspection/result.h"
@@ -20,6 +20,9 @@ namespace {
 
 constexpr std::array<const char*, 6> kPoseComponents{"rotation_x",    "rotation_y",    "rotation_z",
                                                      "translation_x", "translation_y", "translation_z"};
+
+constexpr std::array<const char*, 5> kAlwaysKept{"error_", "u_", "bound_", "reported_correlation_",
+                                                 "surface_"};
 
 const char* pose_unit(std::size_t component) {
   return component < 3 ? "rad" : "mm";
@@ -46,36 +49,6 @@ ReportedDeviations report(const RegistrationTarget& target, const Scenario& scen
   reported.statistics = statistics_of(reported.deviations.signed_mm, reported.deviations.outliers.is_outlier);
   return reported;
 }
-
-// Profile of a surface: twice the largest deviation from the nominal surface, either side.
-double profile_mm(const SelectedProfile& profile, const std::vector<std::uint32_t>& surface,
-                  const std::function<double(std::size_t)>& deviation_mm) {
-  double largest = kNoValue;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (!profile.surfaces.empty() &&
-        std::find(profile.surfaces.begin(), profile.surfaces.end(), surface[i]) == profile.surfaces.end())
-      continue;
-    largest = std::fmax(largest, std::abs(deviation_mm(i)));  // fmax passes over NaN
-  }
-  return 2.0 * largest;
-}
-
-// The part of the deviations' errors that comes of the pose: how far the registered pose carries each true
-// point along its normal.
-struct PoseDeviationError {
-  double squares = 0.0, sum = 0.0, largest = 0.0;  // largest by size, with its sign
-  std::size_t count = 0;
-
-  void add(double error_mm) {
-    squares += error_mm * error_mm;
-    sum += error_mm;
-    if (std::abs(error_mm) > std::abs(largest)) largest = error_mm;
-    ++count;
-  }
-  double mean_mm() const { return count > 0 ? sum / static_cast<double>(count) : kNoValue; }
-  double rms_mm() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : kNoValue; }
-  double largest_mm() const { return count > 0 ? largest : kNoValue; }
-};
 
 }  // namespace
 
@@ -120,18 +93,21 @@ std::vector<Quantity> view_quantities(const SelectedSurfaces& selected) {
                   "pose error in the metric of its reported covariance; chi-square of 6 when it is right"});
   add_pose_components("bound", "Cramer-Rao bound of the standard deviation for the sensor's noise", list);
   list.push_back(
-      {"deviation_error_rms_mm", "mm", "error of the deviations by the pose, RMS over the points"});
-  list.push_back({"deviation_error_largest_mm", "mm", "the same, largest by size, signed"});
+      {"deviation_error_rms_mm", "mm", "reported minus true deviation of every point, RMS over the points"});
+  list.push_back({"deviation_error_largest_mm", "mm", "the same of one point, largest by size, signed"});
   for (const std::uint32_t surface : selected.surfaces) {
     list.push_back({fmt::format("surface_{}_mean_error_mm", surface), "mm",
-                    "error of the deviations by the pose, mean over the surface's points"});
-    list.push_back(
-        {fmt::format("surface_{}_largest_error_mm", surface), "mm", "the same, largest by size, signed"});
+                    "reported minus true deviation, mean over the surface's points"});
+    list.push_back({fmt::format("surface_{}_largest_error_mm", surface), "mm",
+                    "the same of one point, largest by size, signed"});
   }
-  for (const SelectedProfile& profile : selected.profiles)
-    list.push_back({fmt::format("profile_{}_error_mm", profile.name), "mm",
-                    "profile of the surface as reported minus the true one, noise included"});
   return list;
+}
+
+bool is_always_kept(const std::string& view_quantity) {
+  if (view_quantity == "normalised_error_squared") return true;
+  return std::any_of(kAlwaysKept.begin(), kAlwaysKept.end(),
+                     [&](const char* stem) { return view_quantity.starts_with(stem); });
 }
 
 std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scenario& scenario,
@@ -156,10 +132,10 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
                                                            scenario.machine.mcs_from_part.inverse())
                                          : kNoValue);
 
-  // rms, min and max are 10 to 12; the profiles stand at the end.
+  // rms, min and max come next; the errors of deviations stand at the end.
   std::optional<ReportedDeviations> reported;
-  const bool profiles_wanted = any_wanted(wanted.size() - selected.profiles.size(), selected.profiles.size());
-  if (any_wanted(values.size(), 3) || profiles_wanted)
+  const std::size_t errors = 2 + 2 * selected.surfaces.size();
+  if (any_wanted(values.size(), 3) || any_wanted(wanted.size() - errors, errors))
     reported = report(target, scenario, scan, result.part_from_mcs);
   values.push_back(reported ? reported->statistics.rms_mm : kNoValue);
   values.push_back(reported ? reported->statistics.min_mm : kNoValue);
@@ -178,35 +154,18 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
   const Vec6 bound = pose_bound(scenario, model, registered, pivot);
   values.insert(values.end(), bound.begin(), bound.end());
 
-  PoseDeviationError all;
-  std::map<std::uint32_t, PoseDeviationError> by_surface;
-  const RigidTransform registered_from_true = result.part_from_mcs * registered.true_part_from_mcs.inverse();
-  for (const TruePoint& point : registered.points) {
-    const Vec3& p = point.hit.point_pcs_mm;
-    const double error_mm = model.facet_normal(point.hit.facet).dot(registered_from_true * p - p);
-    all.add(error_mm);
-    by_surface[point.hit.surface].add(error_mm);
+  DeviationError all;
+  std::map<std::uint32_t, DeviationError> by_surface;
+  for (std::size_t i = 0; reported && i < registered.points.size(); ++i) {
+    const double true_mm = registered.points[i].hit.deviation_mm;
+    all.add(reported->deviations, i, true_mm);
+    by_surface[reported->deviations.surface[i]].add(reported->deviations, i, true_mm);
   }
   values.push_back(all.rms_mm());
   values.push_back(all.largest_mm());
   for (const std::uint32_t surface : selected.surfaces) {
     values.push_back(by_surface[surface].mean_mm());
     values.push_back(by_surface[surface].largest_mm());
-  }
-
-  for (const SelectedProfile& profile : selected.profiles) {
-    if (!reported) {
-      values.push_back(kNoValue);
-      continue;
-    }
-    std::vector<std::uint32_t> true_surface;
-    for (const TruePoint& point : registered.points) true_surface.push_back(point.hit.surface);
-    const double measured = profile_mm(profile, true_surface, [&](std::size_t i) {
-      return reported->deviations.outliers.is_outlier[i] ? kNoValue : reported->deviations.signed_mm[i];
-    });
-    const double truth = profile_mm(profile, true_surface,
-                                    [&](std::size_t i) { return registered.points[i].hit.deviation_mm; });
-    values.push_back(measured - truth);
   }
   return values;
 }

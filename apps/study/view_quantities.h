@@ -28,8 +28,12 @@ struct SelectedSurfaces {
 // Throws InputError naming file, line and surface when the part has no such surface.
 SelectedSurfaces selected_surfaces(const StudySpec& study, const Part& part);
 
-// What is kept of every view, whatever the study, in a fixed order; names without the view.
+// What can be kept of every view, in a fixed order; names without the view.
 std::vector<Quantity> view_quantities(const SelectedSurfaces& selected);
+
+// Of these, what no list of quantities drops: what the comparison with theory is made of, and what the
+// study's `surfaces` ask for.
+bool is_always_kept(const std::string& view_quantity);
 
 // A usable sample, as the evaluation of a study needs it.
 struct TruePoint {

@@ -30,7 +30,9 @@ class StoppingRule {
   // Twice the standard deviations of the averages over the blocks of mean, uncertainty and the ends of the
   // symmetric interval (7.9.4 g to j). Precondition: two blocks.
   std::array<double, 4> twice_standard_errors() const;
-  double tolerance() const;  // from the mean uncertainty of the blocks
+  // The standard uncertainty of the values of all blocks as one sample (7.9.4 i). Precondition: a block.
+  double standard_uncertainty() const;
+  double tolerance() const;  // from it (7.9.4 j)
   bool is_stable() const;    // false before the second block
   // How many blocks the present scatter suggests in all; at least what there are.
   double blocks_expected() const;
@@ -38,6 +40,7 @@ class StoppingRule {
  private:
   StoppingRuleOptions options_;
   std::vector<std::array<double, 4>> blocks_;  // mean, uncertainty, low end, high end
+  std::vector<double> counts_;                 // values of each block
 };
 
 }  // namespace trueblade

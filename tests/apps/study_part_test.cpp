@@ -107,14 +107,23 @@ TEST_F(StudyPartTest, ErrorsOfANominalPartHaveNoBiasAndAKnownTwistIsFound) {
   const Json document = Json::parse(text_of(folder_ / "run/study.json"));
   const Json& nominal = document["cases"][0];
   EXPECT_TRUE(nominal["failures"].empty()) << nominal["failures"];
-  ASSERT_EQ(nominal["quantities"].size(), 7u);
+  int of_part = 0;
   for (const auto& [name, quantity] : nominal["quantities"].items()) {
+    if (!name.starts_with("part.")) continue;
+    ++of_part;
     EXPECT_EQ(quantity["values"], 24) << name;
     EXPECT_GT(quantity["standard_uncertainty"].get<double>(), 0.0) << name;
     // Four standard errors of a mean are left by chance in 1 of 16,000.
     EXPECT_LT(standard_errors(quantity), 4.0) << name << quantity;
   }
+  EXPECT_EQ(of_part, 7);
   EXPECT_EQ(nominal["quantities"]["part.section_30_twist_error_rad"]["unit"], "rad");
+  // No list of quantities drops the comparison of the views with theory.
+  for (const char* view : {"front", "left", "back", "right"}) {
+    EXPECT_EQ(nominal["theory"][view]["components"].size(), 6u) << view;
+    EXPECT_TRUE(nominal["theory"][view].contains("coverage_of_reported_covariance")) << view;
+  }
+  EXPECT_EQ(document["headline"], "part.section_30_twist_error_rad");
 
   const Json& twisted = document["cases"][1];
   EXPECT_TRUE(twisted["failures"].empty()) << twisted["failures"];
@@ -161,7 +170,10 @@ TEST_F(StudyPartTest, WhatOneViewCannotMeasureIsCounted) {
 TEST_F(StudyPartTest, SurfacesAreNamedAsInAnInspection) {
   folder_.write("named.yaml", R"(scenario: vane.yaml
 trials: 1
-set: [{field: scan.spacing_mm, value: 3}]
+set:
+  - {field: scan.spacing_mm, value: 3}
+  - {field: inspection.profiles, value: "[{name: airfoil, surfaces: [blade], tolerance_mm: [-0.05, 0.05]}]"}
+quantities: [rms_mm]  # drops neither surfaces nor profiles
 surfaces: ["1", root]
 profiles: [{name: airfoil, surfaces: [bl*]}, {name: ids, surfaces: [1]}, {name: all}]
 )");
@@ -174,12 +186,18 @@ profiles: [{name: airfoil, surfaces: [bl*]}, {name: ids, surfaces: [1]}, {name: 
   std::map<std::string, double> found;
   std::istringstream heads(names), cells(values);
   while (std::getline(heads, name, ',') && std::getline(cells, value, ','))
-    if (name.starts_with("front.profile_") || name.starts_with("front.surface_"))
+    if (name.starts_with("part.profile_") || name.starts_with("front.surface_"))
       found[name] = std::stod(value);
   EXPECT_EQ(found.count("front.surface_0_mean_error_mm"), 1u) << names;
   EXPECT_LT(names.find("front.surface_1_mean_error_mm"), names.find("front.surface_0_mean_error_mm"));
-  EXPECT_EQ(found.at("front.profile_airfoil_error_mm"), found.at("front.profile_ids_error_mm"));
-  EXPECT_NE(found.at("front.profile_all_error_mm"), 0.0);
+  EXPECT_EQ(found.at("part.profile_airfoil_error_mm"), found.at("part.profile_ids_error_mm"));
+  EXPECT_NE(found.at("part.profile_all_error_mm"), 0.0);
+  // The part is nominal: the error is the inspection's profile. Its joint fit starts elsewhere and ends
+  // within its own tolerance of the same pose.
+  ASSERT_EQ(run({"show", "named.yaml", "--trial", "0", "--out", "trial"}).exit_code, 0);
+  const Json shown = Json::parse(text_of(folder_ / "trial/result.json"));
+  EXPECT_NEAR(found.at("part.profile_airfoil_error_mm"), shown["profiles"][0]["profile_mm"].get<double>(),
+              1e-5);
 }
 
 TEST_F(StudyPartTest, BadInput) {

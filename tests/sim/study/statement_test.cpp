@@ -126,6 +126,21 @@ TEST(StoppingRule, KnowsTheScatterOfItsBlocks) {
   EXPECT_NEAR(rule.blocks_expected(), 32.0, 1e-9);  // 2 * (4 / 1)^2
 }
 
+TEST(StoppingRule, TakesTheUncertaintyOfAllValuesAsOneSample) {
+  // Blocks of unequal size (trials that failed) and mean.
+  StoppingRule rule({0.5, 2, std::nullopt});
+  std::vector<double> all;
+  for (const auto& [count, from] : {std::pair{40, 0.0}, std::pair{25, 7.0}, std::pair{33, -3.0}}) {
+    std::vector<double> block;
+    for (int i = 0; i < count; ++i) block.push_back(from + std::sqrt(i));
+    all.insert(all.end(), block.begin(), block.end());
+    rule.add_block(block);
+  }
+  const double expected = statement_of(all, 0.5).standard_uncertainty;
+  EXPECT_NEAR(rule.standard_uncertainty(), expected, 1e-13 * expected);  // some hundred roundings
+  EXPECT_EQ(rule.tolerance(), numerical_tolerance(expected, 2));
+}
+
 TEST(Jcgm101, FourNormals) {  // 9.2.2: u = 2.00, 95 % from -3.92 to 3.92
   const auto run = run_adaptively(
       [](Rng rng) { return rng.normal() + rng.normal() + rng.normal() + rng.normal(); }, 0.95, 2);
@@ -147,6 +162,25 @@ TEST(Jcgm101, FourRectangulars) {  // 9.2.3: u = 2.00, 95 % from -3.88 to 3.88
   EXPECT_NEAR(run.statement.symmetric.high, 3.88, run.tolerance);
   // Closed form (Annex E): +-2 sqrt(3) (2 - (3/5)^(1/4)).
   EXPECT_NEAR(run.statement.symmetric.high, 2.0 * half * (2.0 - std::pow(0.6, 0.25)), run.tolerance);
+}
+
+// 9.2.4: three of standard deviation 1 and one of 10: u = 10.1, 95 % from -17.0 to 17.0, where a normal
+// distribution of this u would reach 19.9.
+TEST(Jcgm101, RectangularsOfDifferentWidths) {
+  const double half = std::sqrt(3.0);
+  const auto model = [half](Rng rng) {
+    return rectangular(rng, -half, half) + rectangular(rng, -half, half) + rectangular(rng, -half, half) +
+           rectangular(rng, -10.0 * half, 10.0 * half);
+  };
+  const auto run = run_adaptively(model, 0.95, 2);
+  EXPECT_EQ(run.tolerance, 0.5);
+  // Closed form: with S the sum of the narrow three and W the half width of the wide one, P(Y > y) is the
+  // mean of max(0, S + W - y) over 2 W, a polynomial of the fourth degree (Irwin and Hall): 2.5 % at y
+  // = 17.0158.
+  EXPECT_NEAR(run.statement.standard_uncertainty, std::sqrt(103.0), run.tolerance);
+  EXPECT_NEAR(run.statement.symmetric.low, -17.0, run.tolerance);
+  EXPECT_NEAR(run.statement.symmetric.high, 17.0, run.tolerance);
+  EXPECT_NEAR(run.statement.symmetric.high, 17.0158, run.tolerance);
 }
 
 TEST(Jcgm101, MassCalibration) {  // 9.3: 1.2340 mg, u = 0.0754 mg, 95 % from 1.0834 to 1.3825 mg
