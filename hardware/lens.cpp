@@ -60,6 +60,14 @@ void Lens::validate() const {
         fmt::format("lens {}: working_range_mm is {}, must be below twice the standoff_mm ({}), or the range "
                     "would reach into the probe",
                     name, working_range_mm, standoff_mm));
+  if (!(accuracy_mm < 0.5 * working_range_mm))
+    throw InputError(
+        fmt::format("lens {}: accuracy_mm is {}, must be below half the working_range_mm ({}), or no reading "
+                    "would tell a place within it",
+                    name, accuracy_mm, working_range_mm));
+  if (!(spot_diameter_mm < standoff_mm))
+    throw InputError(fmt::format("lens {}: spot_diameter_mm is {}, must be below the standoff_mm ({})", name,
+                                 spot_diameter_mm, standoff_mm));
   if (!(max_incidence_rad > 0.0 && max_incidence_rad < 0.5 * std::numbers::pi))
     throw InputError(fmt::format("lens {}: max_incidence is {} deg, must be above 0 and below 90 deg", name,
                                  max_incidence_rad / kDegree));

@@ -47,6 +47,8 @@ TEST(Lens, ImpossibleValuesAreRefusedByField) {
   EXPECT_TRUE(refused([](Lens& l) { l.working_range_mm = 51.0; }, "working_range_mm"));
   EXPECT_TRUE(refused([](Lens& l) { l.accuracy_mm = -0.001; }, "accuracy_mm"));
   EXPECT_TRUE(refused([](Lens& l) { l.spot_diameter_mm = -1.0; }, "spot_diameter_mm"));
+  EXPECT_TRUE(refused([](Lens& l) { l.accuracy_mm = 5.0; }, "accuracy_mm"));
+  EXPECT_TRUE(refused([](Lens& l) { l.spot_diameter_mm = 50.0; }, "spot_diameter_mm"));
   EXPECT_TRUE(refused([](Lens& l) { l.max_incidence_rad = 1.6; }, "max_incidence"));
   EXPECT_TRUE(refused([](Lens& l) { l.rate_hz = std::nan(""); }, "rate_hz"));
 }
