@@ -1,5 +1,6 @@
 // The exact part under the beam, against closed forms: beside an edge the surface behind the facet may be the
-// neighbour's, and where facets stand out of the part the beam passes by.
+// neighbour's, also where a form error moves the seam between them, and where facets stand out of the part
+// the beam passes by.
 #include "sim/virtual_part.h"
 
 #include <gtest/gtest.h>
@@ -18,14 +19,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kChordMm = 0.05;  // five times the trimming margin
 
-VirtualPart exact_part(TestShape shape) {
+VirtualPart exact_part(TestShape shape, const FormErrors& form_errors = {}) {
   const TemporaryFolder folder;
   write_test_shape(shape, folder / "shape.step");
   PartOptions options;
   options.faceting.chord_tolerance_mm = kChordMm;
   const auto part = std::make_shared<const Part>(read_part(folder / "shape.step", options));
   const auto caster = std::make_shared<const RayCaster>(part->model);
-  return make_virtual_part(part, caster, PartSurfaceMode::exact, {}, 1, 0);
+  return make_virtual_part(part, caster, PartSurfaceMode::exact, form_errors, 1, 0);
 }
 
 // A cylinder of radius 5 from z = 0 to 12, seen from above at 45 degrees where its side meets its upper
@@ -98,6 +99,33 @@ TEST(VirtualPart, AGrazingBeamMeetsTheSideThatFacesIt) {
     }
   }
   EXPECT_GT(met, 10000);
+}
+
+// A box with edges rounded by 2 mm, all of it shifted by 0.3 mm across an edge: each point of its surface
+// moves along the normal there, so that the rounded edge with middle c becomes c + (2 + shift . n) n and its
+// neighbours stay planes. The facets move sideways, too; near the seams a beam meets those of the neighbour.
+TEST(VirtualPart, ARoundedEdgeThatMovesSidewaysJoinsItsNeighbours) {
+  const Vec3 middle_mm(8.0, 18.0, 15.0);
+  for (const Vec3& shift_mm : {Vec3(0, 0.3, 0), Vec3(0, -0.3, 0), Vec3(0.3, -0.2, 0), Vec3(-0.3, 0, 0)}) {
+    PlatformShift everything;
+    everything.top_mm = 1000.0;
+    everything.shift_mm = shift_mm;
+    const VirtualPart part = exact_part(TestShape::filleted_box, {everything});
+    int met_the_neighbour = 0;
+    for (int turn = -30; turn <= 120; ++turn) {
+      const double angle = std::numbers::pi / 180.0 * (turn + 0.37);
+      const Vec3 outward(std::cos(angle), std::sin(angle), 0.0);
+      const auto hit = first_hit(part, {middle_mm + 20.0 * outward, -outward}, kInfinity);
+      ASSERT_TRUE(hit.has_value());
+      EXPECT_TRUE(hit->refined) << turn;
+      double radius_mm = 2.0 + shift_mm.dot(outward);
+      if (outward.y() < 0.0) radius_mm = (2.0 + shift_mm.x()) / outward.x();
+      if (outward.x() < 0.0) radius_mm = (2.0 + shift_mm.y()) / outward.y();
+      EXPECT_NEAR(hit->range_mm, 20.0 - radius_mm, 1e-7) << turn << " " << shift_mm.transpose();
+      met_the_neighbour += hit->surface != part.model->surface_of(hit->facet) ? 1 : 0;
+    }
+    EXPECT_GT(met_the_neighbour, 2);
+  }
 }
 
 }  // namespace
