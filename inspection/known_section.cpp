@@ -38,7 +38,7 @@ std::vector<double> stretches_mm(const SectionOutline& outline) {
 KnownSection::KnownSection(const RegistrationTarget& target, const SectionsSpec& spec, double height_mm)
     : height_mm_(height_mm),
       plane_(spec.plane(height_mm)),
-      outline_(cut_outline(target.part(), plane_, kOutlineStep_mm)) {
+      outline_(cut_outline(target.part(), plane_, kOutlineStep_mm, kOutlineTurn_rad)) {
   const Vec3 y_direction = plane_.normal.cross(plane_.x_direction);
   ScanPoints on_outline;
   for (const Vec2& point_mm : outline_.point_mm)

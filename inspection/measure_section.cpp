@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "geometry/error.h"
@@ -15,7 +17,11 @@ namespace trueblade {
 namespace {
 
 constexpr std::size_t kFewestPoints = 30;
-constexpr std::size_t kFewestEdgePoints = 6;  // twice the numbers of a circle
+constexpr std::size_t kFewestEdgePoints = 8;  // the scatter of five residuals tells an uncertainty to a third
+// On a shorter arc radius and place of a circle can hardly be told apart, and one side of an edge says
+// nothing about the other.
+constexpr double kLeastArcOnASide_rad = 30.0 * std::numbers::pi / 180.0;
+constexpr double kMostRadiusUncertainty = 0.15;  // of the nominal radius: more is no measurement
 // A rigid fit of a section that was seen from one side only takes a thickness error for a displacement.
 constexpr double kLeastShare = 0.6;
 constexpr std::uint64_t kDraws = 40;  // standard deviations to 1 / sqrt(80) = 11 %
@@ -139,9 +145,15 @@ SectionFeature edge_radius(const char* name, const SectionOutline& outline, std:
   const std::vector<std::size_t> region = edge_region(outline, apex, direction);
   for (const std::size_t i : region) in_region[i] = true;
   std::vector<Vec2> nominal, measured;
+  double least_rad = 0.0, most_rad = 0.0;  // of the normals against the direction of the edge
   for (std::size_t i = 0; i < section.size(); ++i) {
     const auto& [place, deviation_mm] = section[i];
     if (!in_region[place]) continue;
+    const Vec2& normal = outline.normal[place];
+    const double angle_rad =
+        std::atan2(direction.x() * normal.y() - direction.y() * normal.x(), direction.dot(normal));
+    least_rad = std::min(least_rad, angle_rad);
+    most_rad = std::max(most_rad, angle_rad);
     nominal.push_back(outline.point_mm[place]);
     measured.push_back(outline.point_mm[place] + deviation_mm * outline.normal[place]);
   }
@@ -152,10 +164,23 @@ SectionFeature edge_radius(const char* name, const SectionOutline& outline, std:
     radius.reason = fmt::format("{} points on the edge, {} are needed", measured.size(), kFewestEdgePoints);
     return radius;
   }
+  if (-least_rad < kLeastArcOnASide_rad || most_rad < kLeastArcOnASide_rad) {
+    const auto degrees = [](double rad) { return rad * 180.0 / std::numbers::pi; };
+    radius.reason = fmt::format(
+        "the points reach {:.0f} degrees to one side of the edge and {:.0f} to the other, {:.0f} are needed",
+        degrees(-least_rad), degrees(most_rad), degrees(kLeastArcOnASide_rad));
+    return radius;
+  }
   const auto nominal_circle = fit_circle(nominal);
   const auto measured_circle = fit_circle(measured);
   if (!nominal_circle || !measured_circle) {
     radius.reason = "the points on the edge determine no circle";
+    return radius;
+  }
+  if (measured_circle->radius_uncertainty_mm > kMostRadiusUncertainty * nominal_circle->radius_mm) {
+    radius.reason = fmt::format("the points tell the radius to {:.0f} % only, {:.0f} % are needed",
+                                100.0 * measured_circle->radius_uncertainty_mm / nominal_circle->radius_mm,
+                                100.0 * kMostRadiusUncertainty);
     return radius;
   }
   radius.nominal = nominal_circle->radius_mm;
@@ -231,7 +256,7 @@ SectionResult measure_section(const Part& part, const SectionsSpec& spec, double
   const SectionPlane plane = spec.plane(height_mm);
   SectionOutline outline;
   try {
-    outline = cut_outline(part, plane, kOutlineStep_mm);
+    outline = cut_outline(part, plane, kOutlineStep_mm, kOutlineTurn_rad);
   } catch (const InputError& failure) {
     result.missing = failure.what();
     return result;

@@ -56,7 +56,8 @@ struct SectionResult {
 // Features, each with its method in words:
 //   chord, stagger                  of the maximum chord
 //   maximum_thickness               diameter of the largest inscribed circle
-//   leading_ and trailing_edge_radius  least-squares circle through the points of the edge
+//   leading_ and trailing_edge_radius  least-squares circle through the points of the edge, when there are
+//                                   enough on both sides of it to tell the radius
 //   twist, displacement_x and _y    rotation and shift of the section as a whole (best fit in the plane)
 //   about
 //                                   the nominal centroid of the area

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 
 namespace trueblade {
 
@@ -22,6 +23,9 @@ inline constexpr std::array<SectionFeatureName, 10> kSectionFeatures{{{"chord", 
                                                                       {"bow_x", "mm"},
                                                                       {"bow_y", "mm"}}};
 
-inline constexpr double kOutlineStep_mm = 0.05;  // 11 degrees of an edge of 0.25 mm radius
+// The outline's points are no further apart than this, and its normals turn by no more between them: at an
+// edge of 0.25 mm radius every 9 um, so that a point of the scan is at most a degree from the nearest.
+inline constexpr double kOutlineStep_mm = 0.05;
+inline constexpr double kOutlineTurn_rad = 2.0 * std::numbers::pi / 180.0;
 
 }  // namespace trueblade

@@ -32,6 +32,36 @@ std::vector<std::size_t> convex_hull(const std::vector<Vec2>& points) {
   return hull;
 }
 
+// A corner sharper than this is the end itself; a parabola through its neighbours would pass outside of it.
+// The facets of an edge turn by less.
+const double kCornerCosine = std::cos(30.0 * std::numbers::pi / 180.0);
+
+struct SupportPoint {
+  std::size_t nearest;  // point of the outline
+  Vec2 point_mm;
+};
+
+// The farthest point of the outline in this direction, in the neighbourhood of `start`.
+SupportPoint support_point(const SectionOutline& outline, std::size_t start, const Vec2& direction) {
+  const std::size_t n = outline.size();
+  const auto height_mm = [&](std::size_t i) { return direction.dot(outline.point_mm[i % n]); };
+  std::size_t i = start;
+  for (std::size_t steps = 0; steps < n && height_mm(i + 1) > height_mm(i); ++steps) i = (i + 1) % n;
+  for (std::size_t steps = 0; steps < n && height_mm(i + n - 1) > height_mm(i); ++steps) i = (i + n - 1) % n;
+
+  const Vec2 &before = outline.point_mm[(i + n - 1) % n], &here = outline.point_mm[i],
+             &after = outline.point_mm[(i + 1) % n];
+  const double a = (here - before).norm(), b = (after - here).norm();
+  if ((here - before).dot(after - here) < kCornerCosine * a * b) return {i, here};
+  // here + t slope + t^2 bend, at -a the point before and at b the one after.
+  const Vec2 slope = (b / a * (here - before) + a / b * (after - here)) / (a + b);
+  const Vec2 bend = ((after - here) / b - (here - before) / a) / (a + b);
+  const double curvature = direction.dot(bend);
+  if (curvature >= 0.0) return {i, here};  // a straight stretch across the direction
+  const double t = std::clamp(-direction.dot(slope) / (2.0 * curvature), -a, b);
+  return {i, here + t * slope + t * t * bend};
+}
+
 // Radius of the circle that touches the outline at `touch` from inside and passes through `other`.
 double tangent_radius(const SectionOutline& outline, std::size_t touch, std::size_t other) {
   const Vec2 d = outline.point_mm[touch] - outline.point_mm[other];
@@ -53,7 +83,17 @@ Chord maximum_chord(const SectionOutline& outline) {
   if (outline.point_mm[chord.leading].x() > outline.point_mm[chord.trailing].x()) {
     std::swap(chord.leading, chord.trailing);
   }
-  const Vec2 along = outline.point_mm[chord.trailing] - outline.point_mm[chord.leading];
+  // Each end is the farthest point along the chord; an end moves by its edge radius times the chord's turn,
+  // so that a step leaves radius / length of the error before: a hundredth.
+  Vec2 along = outline.point_mm[chord.trailing] - outline.point_mm[chord.leading];
+  for (int step = 0; step < 10; ++step) {
+    const SupportPoint trailing = support_point(outline, chord.trailing, along);
+    const SupportPoint leading = support_point(outline, chord.leading, -along);
+    along = trailing.point_mm - leading.point_mm;
+    chord.trailing = trailing.nearest;
+    chord.leading = leading.nearest;
+  }
+  chord.length_mm = along.norm();
   chord.stagger_rad = std::atan2(along.y(), along.x());
   return chord;
 }

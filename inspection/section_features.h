@@ -11,10 +11,11 @@
 
 namespace trueblade {
 
-// The two outline points that lie farthest apart: the maximum chord. The leading edge is the end with the
-// smaller first coordinate (against the section's x direction).
+// The two points that lie farthest apart: the maximum chord. Its ends lie between the outline's points, on
+// parabolas through three of them, except at a sharp corner. The leading edge is the end with the smaller
+// first coordinate (against the section's x direction).
 struct Chord {
-  std::size_t leading, trailing;  // points of the outline
+  std::size_t leading, trailing;  // the outline's points at the ends
   double length_mm;
   double stagger_rad;  // angle from the x direction to the chord, leading to trailing edge
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <unordered_map>
 
@@ -113,6 +114,7 @@ void move_to_exact_surface(const Part& part, const SectionPlane& plane, CutPoint
   for (int step = 0; step < 3; ++step) {
     ClosestPoint on_facets;
     on_facets.point_mm = cut.point_mm;
+    on_facets.distance_mm = (point - cut.point_mm).norm();
     on_facets.facet = cut.facet;
     const auto exact = refine_to_exact(part, on_facets, point);
     if (!exact) return;
@@ -122,6 +124,41 @@ void move_to_exact_surface(const Part& part, const SectionPlane& plane, CutPoint
     point += (exact->foot.point_mm - point).dot(n) / across.squaredNorm() * across;
   }
   cut.point_mm = point;
+}
+
+void move_to_exact_surface(const Part& part, const SectionPlane& plane, std::vector<CutPoint>& loop) {
+  parallel_for_blocks(loop.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) move_to_exact_surface(part, plane, loop[i]);
+  });
+}
+
+// Crossings that nearly coincide would give normals from rounding.
+std::vector<CutPoint> without_neighbours_nearer(const std::vector<CutPoint>& loop, double least_mm) {
+  std::vector<CutPoint> kept;
+  for (const CutPoint& cut : loop)
+    if (kept.empty() || (cut.point_mm - kept.back().point_mm).norm() > least_mm) kept.push_back(cut);
+  while (kept.size() > 3 && (kept.front().point_mm - kept.back().point_mm).norm() <= least_mm)
+    kept.pop_back();
+  return kept;
+}
+
+// A stretch turns by half of what the outline turns at either end of it.
+std::vector<CutPoint> divided_at_bends(const std::vector<CutPoint>& loop, double max_turn_rad) {
+  const std::size_t n = loop.size();
+  const auto direction = [&](std::size_t i) -> Vec3 {
+    return (loop[(i + 1) % n].point_mm - loop[i % n].point_mm).normalized();
+  };
+  const auto turn_rad = [&](std::size_t i) {
+    return std::acos(std::clamp(direction(i + n - 1).dot(direction(i)), -1.0, 1.0));
+  };
+  std::vector<CutPoint> finer;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double stretch_rad = 0.5 * (turn_rad(i) + turn_rad(i + 1));
+    const int steps = std::max(1, static_cast<int>(std::ceil(stretch_rad / max_turn_rad)));
+    const Vec3 way_mm = loop[(i + 1) % n].point_mm - loop[i].point_mm;
+    for (int s = 0; s < steps; ++s) finer.push_back({loop[i].point_mm + way_mm * s / steps, loop[i].facet});
+  }
+  return finer;
 }
 
 }  // namespace
@@ -135,10 +172,13 @@ SectionOutline outline_through(std::vector<Vec2> points_mm) {
     const Vec2& before = outline.point_mm[(i + n - 1) % n];
     const Vec2& here = outline.point_mm[i];
     const Vec2& after = outline.point_mm[(i + 1) % n];
-    const Vec2 tangent = (after - before).normalized();
+    // The parabola's tangent: on a circle right to second order, however unequal the two stretches are.
+    const double before_mm = (here - before).norm(), after_mm = (after - here).norm();
+    const Vec2 tangent =
+        (after_mm / before_mm * (here - before) + before_mm / after_mm * (after - here)).normalized();
     outline.normal.emplace_back(tangent.y(), -tangent.x());
     outline.arc_mm.push_back(outline.length_mm);
-    outline.length_mm += (after - here).norm();
+    outline.length_mm += after_mm;
     const double twice = here.x() * after.y() - here.y() * after.x();
     outline.area_mm2 += 0.5 * twice;
     moment += twice / 6.0 * (here + after);
@@ -147,7 +187,8 @@ SectionOutline outline_through(std::vector<Vec2> points_mm) {
   return outline;
 }
 
-SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double max_step_mm) {
+SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double max_step_mm,
+                           double max_turn_rad) {
   const auto loops = closed_loops(part.model, plane);
   const std::vector<CutPoint>* largest = nullptr;
   double largest_area_mm2 = 0.0;
@@ -161,18 +202,15 @@ SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double m
                     plane.origin_mm.x(), plane.origin_mm.y(), plane.origin_mm.z()));
   }
   std::vector<CutPoint> loop = divided(*largest, max_step_mm);
+  const double least_mm = 0.1 * max_step_mm;
   if (part.exact) {
-    parallel_for_blocks(loop.size(), 64, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) move_to_exact_surface(part, plane, loop[i]);
-    });
+    move_to_exact_surface(part, plane, loop);
+    loop = divided_at_bends(without_neighbours_nearer(loop, least_mm), max_turn_rad);
+    move_to_exact_surface(part, plane, loop);
   }
-  // Crossings that nearly coincide would give normals from rounding.
   std::vector<Vec2> points_mm;
-  for (const CutPoint& cut : loop) {
-    const Vec2 point = plane.section_mm(cut.point_mm);
-    const double apart_mm = points_mm.empty() ? max_step_mm : (point - points_mm.back()).norm();
-    if (apart_mm > 0.1 * max_step_mm) points_mm.push_back(point);
-  }
+  for (const CutPoint& cut : without_neighbours_nearer(loop, least_mm))
+    points_mm.push_back(plane.section_mm(cut.point_mm));
   return outline_through(std::move(points_mm));
 }
 

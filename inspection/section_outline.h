@@ -37,8 +37,10 @@ struct SectionOutline {
 SectionOutline outline_through(std::vector<Vec2> points_mm);
 
 // The outline of the largest area where the plane cuts the part, with points no further apart than
-// `max_step_mm`; they lie on the exact CAD surface where the part has one. Throws InputError when the plane
-// misses the part or the facets there form no closed outline.
-SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double max_step_mm);
+// `max_step_mm`; they lie on the exact CAD surface where the part has one, and there its direction turns by
+// no more than about `max_turn_rad` from one to the next. Throws InputError when the plane misses the part or
+// the facets there form no closed outline.
+SectionOutline cut_outline(const Part& part, const SectionPlane& plane, double max_step_mm,
+                           double max_turn_rad);
 
 }  // namespace trueblade

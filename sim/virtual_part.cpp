@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "geometry/error.h"
@@ -53,71 +54,91 @@ std::vector<FacetOutline> outlines_of(const FacetModel& model) {
   return outlines;
 }
 
-struct DisplacedHit {
-  PartHit hit;
-  TrimSide side;  // of the foot point on the CAD surface
+struct FootPoint {
+  std::uint32_t surface;
+  SurfacePoint foot;
 };
 
-// Where the ray meets the CAD surface of a nominal facet displaced by the field: the root along the ray of
-//   (signed distance to the surface) - (displacement along the normal at the foot point).
-std::optional<DisplacedHit> meet_displaced_surface(const VirtualPart& part, const Ray& ray,
-                                                   std::uint32_t nominal_facet, const PartHit& facet_hit) {
-  constexpr int kMostSteps = 30;          // converges by a factor of the field's slope, or better, per step
-  constexpr double kConvergedMm = 1e-10;  // a tenth of what zero errors are held to
-  constexpr double kGrazing = 0.02;       // 1.1 degrees between ray and surface: a step would run away
-  const std::uint32_t surface = part.nominal->model.surface_of(nominal_facet);
-  const double facing = facet_hit.normal.dot(ray.direction);
-  PartHit hit = facet_hit;
-  Vec2 parameters =
-      parameters_beside(*part.nominal, nominal_facet, ray.origin_mm + hit.range_mm * ray.direction);
-  for (int step = 0; step < kMostSteps; ++step) {
-    const Vec3 at = ray.origin_mm + hit.range_mm * ray.direction;
-    const ExactSurfaces::Projection projection = part.nominal->exact->project(surface, at, parameters);
-    if (!projection.converged) return std::nullopt;
-    const Vec3& normal = projection.foot.normal;
-    const double slope = normal.dot(ray.direction);
-    if (std::abs(slope) < kGrazing) return std::nullopt;
-    const double displaced_mm = normal.dot(part.field->displacement_mm(projection.foot.point_mm, normal));
-    const double residual_mm = normal.dot(at - projection.foot.point_mm) - displaced_mm;
-    if (std::abs(residual_mm) < kConvergedMm) {
-      if (slope * facing < 0.0) return std::nullopt;  // the other side of it
-      hit.displaced_mm = displaced_mm;
-      hit.surface = surface;
-      hit.refined = true;
-      return DisplacedHit{hit, projection.side};
-    }
-    hit.range_mm -= residual_mm / slope;
-    parameters = projection.foot.parameters;
-  }
-  return std::nullopt;
+// The nominal point from which the field moves the part to `at_mm`, on `surface` or, where it ends, on the
+// surface that goes on there: the field moves facets sideways, too, so that beside a border the beam meets
+// facets of the neighbour. Beyond a sharp edge no surface goes on, and the continuation of this one stands
+// in.
+std::optional<FootPoint> foot_point(const VirtualPart& part, const Vec3& at_mm, std::uint32_t surface,
+                                    const Vec2& start) {
+  // A foot point at the end of a surface is not below the point; a ten thousandth is its slant in rad.
+  const auto is_below = [&](const SurfacePoint& foot) {
+    const Vec3 way_mm = at_mm - foot.point_mm;
+    return way_mm.cross(foot.normal).norm() <= 1e-4 * way_mm.norm() + 1e-9;
+  };
+  const ExactSurfaces::Projection own = part.nominal->exact->project(surface, at_mm, start);
+  if (own.converged && own.side == TrimSide::inside && is_below(own.foot))
+    return FootPoint{surface, own.foot};
+
+  std::optional<FootPoint> found;
+  double least_mm = std::numeric_limits<double>::infinity();
+  const auto try_surface_of = [&](std::uint32_t facet) {
+    const std::uint32_t other = part.nominal->model.surface_of(facet);
+    if (other == surface) return;
+    const auto projection =
+        part.nominal->exact->project(other, at_mm, parameters_beside(*part.nominal, facet, at_mm));
+    if (!projection.converged || !is_on_face(projection.side) || !is_below(projection.foot)) return;
+    if (projection.distance_mm >= least_mm) return;
+    least_mm = projection.distance_mm;
+    found = FootPoint{other, projection.foot};
+  };
+  const std::uint32_t nearest = part.nominal_tree->query(at_mm).facet;
+  try_surface_of(nearest);
+  for (const SurfaceAround& around : part.nominal->surfaces_around->of(nearest)) try_surface_of(around.facet);
+  if (!found && own.converged) found = FootPoint{surface, own.foot};
+  return found;
 }
 
-// As refine_to_exact: the facet's own surface, or where that ends before the ray the first of its neighbours.
-std::optional<PartHit> meet_displaced_part(const VirtualPart& part, const Ray& ray,
-                                           std::uint32_t nominal_facet, const PartHit& facet_hit) {
-  std::optional<PartHit> best;
-  bool best_is_inside = false;
-  const auto try_surface_of = [&](std::uint32_t facet) {
-    const auto met = meet_displaced_surface(part, ray, facet, facet_hit);
-    if (!met) return;
-    const bool is_inside = is_on_face(met->side);
-    if (best &&
-        (best_is_inside > is_inside || (best_is_inside == is_inside && best->range_mm <= met->hit.range_mm)))
-      return;
-    best = met->hit;
-    best_is_inside = is_inside;
-  };
-  try_surface_of(nominal_facet);
-  if (best_is_inside) return best;
-  for (const SurfaceAround& around : part.nominal->surfaces_around->of(nominal_facet))
-    try_surface_of(around.facet);
-  return best;
+// Where the ray meets the CAD surface displaced by the field: the root along the ray of
+//   (signed distance to the surface) - (displacement along the normal at the foot point).
+std::optional<PartHit> meet_displaced_surface(const VirtualPart& part, const Ray& ray, std::uint32_t surface,
+                                              Vec2 parameters, const PartHit& facet_hit) {
+  constexpr int kMostSteps = 30;          // secants: a handful, more where the beam grazes
+  constexpr double kConvergedMm = 1e-10;  // a tenth of what zero errors are held to
+  constexpr double kGrazing = 0.02;       // 1.1 degrees between ray and surface: a step would run away
+  PartHit hit = facet_hit;
+  double previous_range_mm = 0.0, previous_residual_mm = 0.0;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Vec3 at = ray.origin_mm + hit.range_mm * ray.direction;
+    const auto found = foot_point(part, at, surface, parameters);
+    if (!found) return std::nullopt;
+    const SurfacePoint& foot = found->foot;
+    const double slope = foot.normal.dot(ray.direction);
+    if (std::abs(slope) < kGrazing) return std::nullopt;
+    const double displaced_mm = foot.normal.dot(part.field->displacement_mm(foot.point_mm, foot.normal));
+    const double residual_mm = foot.normal.dot(at - foot.point_mm) - displaced_mm;
+    surface = found->surface;
+    if (std::abs(residual_mm) < kConvergedMm) {
+      hit.surface = surface;
+      hit.displaced_mm = displaced_mm;
+      hit.refined = true;
+      return hit;
+    }
+    // The displaced surface leans against the nominal one by the field's slope, at a narrow edge by a third
+    // of a radian: the nominal normal alone would lead a slanting beam astray.
+    const double secant = (residual_mm - previous_residual_mm) / (hit.range_mm - previous_range_mm);
+    const double rate = step > 0 && secant * slope > 0.0 ? secant : slope;
+    previous_range_mm = hit.range_mm;
+    previous_residual_mm = residual_mm;
+    hit.range_mm -= residual_mm / rate;
+    parameters = foot.parameters;
+  }
+  return std::nullopt;
 }
 
 std::optional<PartHit> meet_exact_surface(const VirtualPart& part, const Ray& ray, const PartHit& facet_hit) {
   const std::uint32_t nominal_facet =
       part.nominal_facet ? (*part.nominal_facet)[facet_hit.facet] : facet_hit.facet;
-  if (part.field) return meet_displaced_part(part, ray, nominal_facet, facet_hit);
+  const std::uint32_t surface = part.nominal->model.surface_of(nominal_facet);
+  if (part.field) {
+    const Vec2 start =
+        parameters_beside(*part.nominal, nominal_facet, ray.origin_mm + facet_hit.range_mm * ray.direction);
+    return meet_displaced_surface(part, ray, surface, start, facet_hit);
+  }
   const auto exact = refine_to_exact(*part.nominal, ray, nominal_facet, facet_hit.range_mm);
   if (!exact) return std::nullopt;
   PartHit hit = facet_hit;

@@ -1,5 +1,6 @@
 // The exact part under the beam, against closed forms: beside an edge the surface behind the facet may be the
-// neighbour's, and where facets stand out of the part the beam passes by.
+// neighbour's, also where a form error moves the seam between them, and where facets stand out of the part
+// the beam passes by.
 #include "sim/virtual_part.h"
 
 #include <gtest/gtest.h>
@@ -124,6 +125,33 @@ TEST(VirtualPart, AGrazingBeamMeetsTheSideThatFacesIt) {
     }
   }
   EXPECT_GT(met, 10000);
+}
+
+// A box with edges rounded by 2 mm, all of it shifted by 0.3 mm across an edge: each point of its surface
+// moves along the normal there, so that the rounded edge with middle c becomes c + (2 + shift . n) n and its
+// neighbours stay planes. The facets move sideways, too; near the seams a beam meets those of the neighbour.
+TEST(VirtualPart, ARoundedEdgeThatMovesSidewaysJoinsItsNeighbours) {
+  const Vec3 middle_mm(8.0, 18.0, 15.0);
+  for (const Vec3& shift_mm : {Vec3(0, 0.3, 0), Vec3(0, -0.3, 0), Vec3(0.3, -0.2, 0), Vec3(-0.3, 0, 0)}) {
+    PlatformShift everything;
+    everything.top_mm = 1000.0;
+    everything.shift_mm = shift_mm;
+    const VirtualPart part = exact_part(TestShape::filleted_box, {everything});
+    int met_the_neighbour = 0;
+    for (int turn = -30; turn <= 120; ++turn) {
+      const double angle = std::numbers::pi / 180.0 * (turn + 0.37);
+      const Vec3 outward(std::cos(angle), std::sin(angle), 0.0);
+      const auto hit = first_hit(part, {middle_mm + 20.0 * outward, -outward}, kInfinity);
+      ASSERT_TRUE(hit.has_value());
+      EXPECT_TRUE(hit->refined) << turn;
+      double radius_mm = 2.0 + shift_mm.dot(outward);
+      if (outward.y() < 0.0) radius_mm = (2.0 + shift_mm.x()) / outward.x();
+      if (outward.x() < 0.0) radius_mm = (2.0 + shift_mm.y()) / outward.y();
+      EXPECT_NEAR(hit->range_mm, 20.0 - radius_mm, 1e-7) << turn << " " << shift_mm.transpose();
+      met_the_neighbour += hit->surface != part.model->surface_of(hit->facet) ? 1 : 0;
+    }
+    EXPECT_GT(met_the_neighbour, 2);
+  }
 }
 
 }  // namespace
