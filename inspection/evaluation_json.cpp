@@ -64,6 +64,8 @@ Json profile_json(const ProfileResult& profile) {
           {"max_mm", number_json(profile.max_mm)},
           {"profile_mm", number_json(profile.profile_mm)},
           {"guard_mm", number_json(profile.guard_mm)},
+          {"rejection_guard_mm", number_json(profile.rejection_guard_mm)},
+          {"rejection_factor", number_json(profile.rejection_factor)},
           {"counts", counts},
           {"conformity", to_string(profile.conformity)},
           {"reason", profile.reason}};

@@ -46,7 +46,7 @@ std::string differences(const char* kind, const Json& list) {
       text += row({kind, difference.at("of"), name.substr(0, name.rfind('_')),
                    name.substr(name.rfind('_') + 1), 0.0, component.value().at("value"),
                    component.value().at("value"), component.value().at("standard_uncertainty"), nullptr,
-                   nullptr, nullptr, nullptr, difference.at("from"), nullptr});
+                   nullptr, nullptr, nullptr, difference.at("from"), nullptr, nullptr});
     }
   return text;
 }
@@ -69,20 +69,19 @@ std::string statistics_csv(const Json& result) {
 
 std::string features_csv(const Json& result) {
   std::string text =
-      "kind,where,name,unit,nominal,measured,deviation,standard_uncertainty,lower_limit,upper_limit,guard_"
-      "band,"
-      "decision,relative_to,method\r\n";
+      "kind,where,name,unit,nominal,measured,deviation,standard_uncertainty,lower_limit,upper_limit,"
+      "guard_band,decision,relative_to,method,rejection_guard_band\r\n";
   for (const Json& section : result.at("sections"))
     for (const Json& feature : section.at("features"))
       text += row({"section", section.at("height_mm"), feature.at("name"), feature.at("unit"),
                    feature.at("nominal"), feature.at("measured"), feature.at("deviation"),
                    feature.at("standard_uncertainty"), nullptr, nullptr, nullptr, nullptr, nullptr,
-                   feature.at("measured").is_null() ? feature.at("reason") : feature.at("method")});
+                   feature.at("measured").is_null() ? feature.at("reason") : feature.at("method"), nullptr});
   for (const Json& profile : result.at("profiles"))
     text += row({"profile", profile.at("name"), "profile", "mm", 0.0, profile.at("profile_mm"),
                  profile.at("profile_mm"), nullptr, profile.at("tolerance_mm").at(0),
                  profile.at("tolerance_mm").at(1), profile.at("guard_mm"), profile.at("conformity"), nullptr,
-                 profile.at("reason")});
+                 profile.at("reason"), profile.value("rejection_guard_mm", Json(nullptr))});
   text += differences("offset", result.at("offsets"));
   if (!result.at("joint").is_null())
     text += differences("between views", result.at("joint").at("between_views"));

@@ -450,9 +450,9 @@ function markSurface() {
 
 function profileTable() {
   if (!result.profiles.length) { byId('profile-section').remove(); return; }
-  byId('profiles').append(table(['Profile', 'Decision', 'Why', 'Lower', 'Upper', 'Points', 'Outliers', 'Min', 'Max', 'Profile', 'Guard band', 'Within', 'Over', 'Under'],
+  byId('profiles').append(table(['Profile', 'Decision', 'Why', 'Lower', 'Upper', 'Points', 'Outliers', 'Min', 'Max', 'Profile', 'Guard band to accept', 'to reject', 'Within', 'Over', 'Under'],
     result.profiles.map(p => [p.name, {text: p.conformity, kind: kConformity[p.conformity]}, p.reason, mm(p.tolerance_mm[0], 3), mm(p.tolerance_mm[1], 3), p.points, p.outliers,
-      mm(p.min_mm), mm(p.max_mm), mm(p.profile_mm), mm(p.guard_mm), percent(p.counts.percent_within), percent(p.counts.percent_over), percent(p.counts.percent_under)]), 3));
+      mm(p.min_mm), mm(p.max_mm), mm(p.profile_mm), mm(p.guard_mm), mm(p.rejection_guard_mm), percent(p.counts.percent_within), percent(p.counts.percent_over), percent(p.counts.percent_under)]), 3));
 }
 
 const kComponents = ['rotation_x_rad', 'rotation_y_rad', 'rotation_z_rad', 'translation_x_mm', 'translation_y_mm', 'translation_z_mm'];
