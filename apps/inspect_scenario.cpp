@@ -33,6 +33,15 @@ struct FinishedView {
   EvaluatedView evaluated;
 };
 
+// Resolved before the scan: a name that the part does not have would be noticed only after it.
+std::vector<std::uint32_t> datum_surfaces_of(const Scenario& scenario, const Part& part) {
+  try {
+    return select_surfaces(part, scenario.inspection.datum_surfaces);
+  } catch (const InputError& failure) {
+    throw InputError(fmt::format("datum_surfaces: {}", failure.what()));
+  }
+}
+
 std::optional<Tolerance> tolerance_of(const InspectionSpec& inspection) {
   if (!inspection.tolerance_mm) return std::nullopt;
   return Tolerance{inspection.tolerance_mm->first, inspection.tolerance_mm->second};
@@ -101,12 +110,12 @@ void tell_samples(const ViewResult& result, std::size_t points) {
 
 // One view of several seldom determines the pose by the datum surfaces it sees: there they hold all views
 // together (evaluate_together), and each view keeps its best fit.
-ViewEvaluationOptions view_options(const Part& part, const Scenario& scenario, std::size_t views) {
-  const bool only_view = views == 1;
-  return {
-      scenario.registration.options, scenario.inspection.surface,
-      only_view ? select_surfaces(part, scenario.inspection.datum_surfaces) : std::vector<std::uint32_t>{},
-      tolerance_of(scenario.inspection)};
+ViewEvaluationOptions view_options(const Scenario& scenario, const std::vector<ScanPlan>& plans,
+                                   const std::vector<std::uint32_t>& datum_surfaces) {
+  const bool only_view = std::count_if(plans.begin(), plans.end(),
+                                       [](const ScanPlan& plan) { return !plan.lines.empty(); }) == 1;
+  return {scenario.registration.options, scenario.inspection.surface,
+          only_view ? datum_surfaces : std::vector<std::uint32_t>{}, tolerance_of(scenario.inspection)};
 }
 
 FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target,
@@ -143,10 +152,9 @@ ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const
   return view;
 }
 
-EvaluationSpec evaluation_spec(const Scenario& scenario, const Part& part) {
+EvaluationSpec evaluation_spec(const Scenario& scenario, const std::vector<std::uint32_t>& datum_surfaces) {
   const InspectionSpec& inspection = scenario.inspection;
-  return {inspection.profiles, inspection.sections, inspection.groups,
-          select_surfaces(part, inspection.datum_surfaces),
+  return {inspection.profiles, inspection.sections, inspection.groups, datum_surfaces,
           inspection.point_uncertainty_mm.value_or(scenario.machine.lens.accuracy_mm)};
 }
 
@@ -198,15 +206,16 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
                nominal.part->model.facet_count());
   // What the registration would refuse after the scan.
   require_surfaces(*nominal.part, scenario.registration.options.surfaces);
+  const std::vector<std::uint32_t> datum_surfaces = datum_surfaces_of(scenario, *nominal.part);
   InspectionRun run;
   run.result.run = run_facts(scenario, *nominal.part);
   const RegistrationTarget target(*nominal.part);
-  Measurement measurement(scenario, nominal);
+  Measurement measurement(scenario, nominal, true);
   if (run_folder) {
     prepare_run_folder(*run_folder, scenario);
     measurement.keep_journal(*run_folder / "scan.journal", resume);
   }
-  const ViewEvaluationOptions options = view_options(*nominal.part, scenario, measurement.plans().size());
+  const ViewEvaluationOptions options = view_options(scenario, measurement.plans(), datum_surfaces);
   std::vector<FinishedView> views;
   for (const ScanPlan& plan : measurement.plans()) {
     MeasuredView measured;
@@ -225,7 +234,7 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
 
   run.result.run.colour_limit_mm = colour_limit_mm(scenario, views);
   run.result.evaluation =
-      evaluate_together(evaluation_spec(scenario, *nominal.part), target, scenario.registration.options,
+      evaluate_together(evaluation_spec(scenario, datum_surfaces), target, scenario.registration.options,
                         scenario.inspection.surface, scans_of(views));
   if (run_folder) {
     for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result.run);
