@@ -51,10 +51,7 @@ bool tell_decisions(const EvaluationResult& evaluation) {
     all_conform = false;
     spdlog::warn("profile {}: {}: {}", profile.callout.name, to_string(profile.conformity), profile.reason);
   }
-  for (const SectionResult& section : evaluation.sections)
-    for (const SectionFeature& feature : section.features)
-      if (!feature.reason.empty())
-        spdlog::warn("section at {:g} mm: no {}: {}", section.height_mm, feature.name, feature.reason);
+  for (const std::string& missing : evaluation.missing_features) spdlog::warn("{}", missing);
   return all_conform;
 }
 

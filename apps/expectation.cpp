@@ -86,6 +86,7 @@ constexpr const char* kComponents[] = {"rotation_x_rad",   "rotation_y_rad",   "
 std::map<std::string, double> numbers_of(const EvaluationResult& evaluation) {
   std::map<std::string, double> numbers;
   numbers["missing"] = count(evaluation.missing.size());
+  numbers["missing_features"] = count(evaluation.missing_features.size());
   if (evaluation.joint) numbers["joint.rms_mm"] = evaluation.joint->statistics.rms_mm;
   for (const ProfileResult& profile : evaluation.profiles) {
     const std::string name = "profile." + profile.callout.name;
@@ -159,7 +160,7 @@ std::vector<Verdict> judge(const std::map<std::string, ViewExpectation>& expecte
 }
 
 std::vector<std::string> part_quantities(const InspectionSpec& inspection) {
-  std::vector<std::string> names{"missing", "joint.rms_mm"};
+  std::vector<std::string> names{"missing", "missing_features", "joint.rms_mm"};
   for (const ProfileSpec& profile : inspection.profiles)
     for (const char* quantity : {"profile_mm", "conforming"})
       names.push_back(fmt::format("profile.{}.{}", profile.name, quantity));

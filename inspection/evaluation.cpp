@@ -108,6 +108,11 @@ void measure_sections(const EvaluationSpec& spec, const Part& part, const Deviat
       result.missing.push_back(fmt::format("section at {:g} mm: {}", height_mm, section.missing));
   }
   add_bow(result.sections);
+  for (const SectionResult& section : result.sections)
+    for (const SectionFeature& feature : section.features)
+      if (!feature.reason.empty())
+        result.missing_features.push_back(
+            fmt::format("section at {:g} mm: no {} ({})", section.height_mm, feature.name, feature.reason));
 }
 
 }  // namespace

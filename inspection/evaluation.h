@@ -73,6 +73,8 @@ struct EvaluationResult {
   std::vector<PoseDifference> offsets;  // each group from the first
   // What was asked for and could not be made, and why, one sentence each.
   std::vector<std::string> missing;
+  // Features of measured sections without a number: "section at 60 mm: no chord (reason)".
+  std::vector<std::string> missing_features;
 };
 
 // Profiles, sections and offsets take all points at the joint pose where there is more than one view, else

@@ -167,7 +167,8 @@ Json evaluation_json(const EvaluationResult& evaluation) {
           {"sections", sections},
           {"groups", groups},
           {"offsets", differences_json(evaluation.offsets)},
-          {"missing", evaluation.missing}};
+          {"missing", evaluation.missing},
+          {"missing_features", evaluation.missing_features}};
 }
 
 }  // namespace trueblade

@@ -538,6 +538,8 @@ function summary() {
   for (const p of result.profiles) chip(`${p.name}: ${p.conformity}`, kConformity[p.conformity]);
   const missing = [...result.views.filter(v => v.failure).map(v => `view ${v.view}: ${v.failure}`), ...result.missing, ...data.missing];
   if (missing.length) byId('missing').append(element('h3', {class: 'bad'}, 'Missing from this report'), element('ul', {}, ...missing.map(m => element('li', {}, m))));
+  const features = result.missing_features || [];
+  if (features.length) byId('missing').append(element('h3', {class: 'doubt'}, 'Features without a number'), element('ul', {}, ...features.map(m => element('li', {}, m))));
 }
 
 // ---- sections ----------------------------------------------------------------------------------------------------------------
