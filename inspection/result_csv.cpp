@@ -30,11 +30,16 @@ constexpr const char* kStatistics[] = {
     "mean_positive_mm", "mean_negative_mm"};
 constexpr const char* kCounts[] = {"percent_within", "percent_over", "percent_under", "outliers_outside"};
 
+// Against the facet model; of the points alone there is no second number.
+constexpr const char* kFromFacets[] = {
+    "min_mm", "max_mm", "mean_mm", "rms_mm", "standard_deviation_mm", "mean_positive_mm", "mean_negative_mm"};
+
 std::string statistics_row(const Json& view, const Json& surface, const Json& name, const Json& statistics,
-                           const Json& tolerance) {
+                           const Json& tolerance, const Json& from_facets) {
   std::vector<Json> cells{view, surface, name};
   for (const char* key : kStatistics) cells.push_back(statistics.at(key));
   for (const char* key : kCounts) cells.push_back(tolerance.is_null() ? Json(nullptr) : tolerance.at(key));
+  for (const char* key : kFromFacets) cells.push_back(from_facets.value(key, Json(nullptr)));
   return row(cells);
 }
 
@@ -57,12 +62,15 @@ std::string statistics_csv(const Json& result) {
   std::string text = "view,surface,name";
   for (const char* key : kStatistics) text += fmt::format(",{}", key);
   for (const char* key : kCounts) text += fmt::format(",{}", key);
+  for (const char* key : kFromFacets) text += fmt::format(",from_facets_{}", key);
   text += "\r\n";
   for (const Json& view : result.at("views")) {
-    text += statistics_row(view.at("view"), nullptr, nullptr, view.at("deviations"), view.at("tolerance"));
+    text += statistics_row(view.at("view"), nullptr, nullptr, view.at("deviations"), view.at("tolerance"),
+                           view.at("deviations_from_facets"));
     for (const Json& surface : view.at("per_surface"))
-      text += statistics_row(view.at("view"), surface.at("surface"), surface.at("name"), surface,
-                             surface.at("tolerance"));
+      text +=
+          statistics_row(view.at("view"), surface.at("surface"), surface.at("name"), surface,
+                         surface.at("tolerance"), surface.value("deviations_from_facets", Json::object()));
   }
   return text;
 }

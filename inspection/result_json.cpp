@@ -90,6 +90,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
   for (const SurfaceStatistics& surface : view.surfaces) {
     Json entry = {{"surface", surface.surface}, {"name", surface.name}};
     entry.update(statistics_json(surface.statistics));
+    entry["deviations_from_facets"] = statistics_json(surface.from_facets);
     entry["tolerance"] = surface.tolerance ? counts_json(*surface.tolerance) : Json(nullptr);
     json["per_surface"].push_back(entry);
   }

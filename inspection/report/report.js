@@ -430,18 +430,18 @@ function viewTable() {
   byId('view-table').append(table(headings, rows, 2));
   // Points that came from elsewhere were planned by nobody.
   if (!result.views.some(v => v.samples.planned)) return;
-  byId('view-table').append(table(['Samples of view', 'Planned', 'Out of range', 'Missed', 'Low signal', 'Points', 'Rejected by registration', 'RMS from facets'],
-    result.views.map(v => [v.view, v.samples.planned, v.samples.out_of_range, v.samples.missed, v.samples.low_signal, v.samples.points, v.samples.left_out_by_registration, mm(v.deviations_from_facets.rms_mm)]), 1));
+  byId('view-table').append(table(['Samples of view', 'Planned', 'Out of range', 'Missed', 'Points', 'of these, low signal', 'Rejected by registration', 'RMS from facets'],
+    result.views.map(v => [v.view, v.samples.planned, v.samples.out_of_range, v.samples.missed, v.samples.points, v.samples.low_signal, v.samples.left_out_by_registration, mm(v.deviations_from_facets.rms_mm)]), 1));
 }
 
 function surfaceTable() {
   const rows = [], ids = [];
   for (const view of result.views) for (const s of view.per_surface) {
-    rows.push([view.view, s.surface, s.name, ...statisticsCells(s), ...countCells(s.tolerance)]);
+    rows.push([view.view, s.surface, s.name, ...statisticsCells(s), ...countCells(s.tolerance), mm((s.deviations_from_facets || {}).rms_mm)]);
     ids.push(s.surface);
   }
   const choose = r => ({class: 'pick', 'data-surface': ids[r], on: {click: () => { state.surface = state.surface === ids[r] ? -1 : ids[r]; byId('surface').value = state.surface; markSurface(); update(); }}});
-  byId('surface-table').append(table(['View', 'Id', 'Surface', ...statisticsHeadings, ...countHeadings], rows, 3, choose));
+  byId('surface-table').append(table(['View', 'Id', 'Surface', ...statisticsHeadings, ...countHeadings, 'RMS from facets'], rows, 3, choose));
   [...new Set(ids)].sort((a, b) => a - b).forEach(id => byId('surface').append(element('option', {value: id}, `${id} ${data.surfaces[id] || ''}`)));
 }
 function markSurface() {
