@@ -24,7 +24,7 @@ double count(std::size_t number) {
 }
 
 // The names are those of result.json.
-constexpr std::array<Quantity, 18> kQuantities{{
+constexpr std::array<Quantity, 19> kQuantities{{
     {"planned", [](const ViewResult& view) { return count(view.planned); }},
     {"points", [](const ViewResult& view) { return count(view.statistics.points); }},
     {"out_of_range", [](const ViewResult& view) { return count(view.out_of_range); }},
@@ -34,6 +34,7 @@ constexpr std::array<Quantity, 18> kQuantities{{
     {"iterations", [](const ViewResult& view) { return static_cast<double>(view.registration.iterations); }},
     {"inliers", [](const ViewResult& view) { return count(view.registration.inliers); }},
     {"outliers", [](const ViewResult& view) { return count(view.registration.outliers); }},
+    {"shows_misfit", [](const ViewResult& view) { return view.registration.shows_misfit ? 1.0 : 0.0; }},
     {"inlier_percent",
      [](const ViewResult& view) {
        return 100.0 * count(view.registration.inliers) / count(view.statistics.points);

@@ -46,6 +46,7 @@ Json joint_json(const JointResult& joint) {
           {"termination", to_string(r.termination)},
           {"converged", is_converged(r.termination)},
           {"iterations", r.iterations},
+          {"shows_misfit", r.shows_misfit},
           {"inliers", r.inliers},
           {"outliers", r.outliers},
           {"deviations", statistics_json(joint.statistics)},

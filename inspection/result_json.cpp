@@ -64,6 +64,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                {"iterations", r.iterations},
                {"termination", registered ? to_string(r.termination) : "not registered"},
                {"converged", registered && is_converged(r.termination)},
+               {"shows_misfit", r.shows_misfit},
                {"inliers", r.inliers},
                {"outliers", r.outliers},
                {"initial_rms_mm", number_json(view.initial_rms_mm)},

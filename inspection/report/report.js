@@ -425,7 +425,7 @@ const countCells = t => !tolerance ? [] : t ? [percent(t.percent_within), percen
 
 function viewTable() {
   const headings = ['View', '', 'Before RMS', ...statisticsHeadings, ...countHeadings];
-  const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? {text: 'converged', kind: 'good'} : {text: v.termination, kind: 'bad'},
+  const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? (v.shows_misfit ? {text: 'converged, does not fit everywhere', kind: 'doubt'} : {text: 'converged', kind: 'good'}) : {text: v.termination, kind: 'bad'},
     mm(v.initial_rms_mm), ...statisticsCells(v.deviations), ...countCells(v.tolerance)]);
   byId('view-table').append(table(headings, rows, 2));
   // Points that came from elsewhere were planned by nobody.
@@ -496,6 +496,7 @@ function registrationFacts() {
     if (v.failure) { add('failed', v.failure); continue; }
     add('termination', v.termination);
     add('iterations', String(v.iterations));
+    if (v.shows_misfit) add('fit', 'neighbouring residuals agree: form errors of the size of the RMS, another part, or a wrong pose');
     add('RMS before / after (weighted)', `${mm(v.initial_rms_mm)} / ${mm(v.weighted_rms_mm)} mm`);
     add('inliers / rejected', `${v.inliers} / ${v.outliers}`);
     const u = v.pose_covariance.map((row, k) => Math.sqrt(Math.max(row[k], 0)));
@@ -530,8 +531,9 @@ function summary() {
     if (v.failure) return [`${v.view}: failed`, 'bad'];
     if (!v.converged) return [`${v.view}: ${v.termination}`, 'bad'];
     const rms = `${v.view}: RMS ${mm(v.rms_mm)} mm`, t = v.tolerance;
-    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance`, 'bad'];
+    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance${v.shows_misfit ? ', does not fit everywhere' : ''}`, 'bad'];
     if (t && t.outliers_outside) return [`${rms}, outliers out of tolerance: ${t.outliers_outside}`, 'doubt'];
+    if (v.shows_misfit) return [`${rms}, does not fit everywhere`, 'doubt'];
     return [rms, 'good'];
   };
   for (const v of result.views) chip(...verdict(v));
