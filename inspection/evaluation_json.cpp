@@ -40,18 +40,20 @@ Json joint_json(const JointResult& joint) {
     views.push_back({{"view", view.view},
                      {"deviations", statistics_json(view.statistics)},
                      {"alone", difference_json(view.alone)}});
-  return {{"pose", pose_json(r.part_from_mcs)},
-          {"pose_covariance", covariance_json(r.covariance)},
-          {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
-          {"termination", to_string(r.termination)},
-          {"converged", is_converged(r.termination)},
-          {"iterations", r.iterations},
-          {"shows_misfit", r.shows_misfit},
-          {"inliers", r.inliers},
-          {"outliers", r.outliers},
-          {"deviations", statistics_json(joint.statistics)},
-          {"views", views},
-          {"between_views", differences_json(joint.between_views)}};
+  Json json = {{"pose", pose_json(r.part_from_mcs)},
+               {"pose_covariance", covariance_json(r.covariance)},
+               {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
+               {"termination", to_string(r.termination)},
+               {"converged", is_converged(r.termination)},
+               {"iterations", r.iterations},
+               {"shows_misfit", r.shows_misfit},
+               {"inliers", r.inliers},
+               {"outliers", r.outliers},
+               {"deviations", statistics_json(joint.statistics)},
+               {"views", views},
+               {"between_views", differences_json(joint.between_views)}};
+  json.update(registration_work_json(r));
+  return json;
 }
 
 Json profile_json(const ProfileResult& profile) {
@@ -119,6 +121,15 @@ Json pose_json(const RigidTransform& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   return {{"rotation_wxyz", {number_json(q.w()), number_json(q.x()), number_json(q.y()), number_json(q.z())}},
           {"translation_mm", vector_json(pose.translation_mm)}};
+}
+
+Json registration_work_json(const RegistrationResult& registration) {
+  const ClosestPointWork& work = registration.work;
+  return {
+      {"sigma_mm", number_json(registration.sigma_mm)},
+      {"sigma_estimated", registration.sigma_estimated},
+      {"closest_points",
+       {{"queries", work.queries}, {"facets_tested", work.facets_tested}, {"cache_hits", work.cache_hits}}}};
 }
 
 Json covariance_json(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {

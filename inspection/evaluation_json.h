@@ -11,6 +11,8 @@ namespace trueblade {
 nlohmann::ordered_json number_json(double value);
 nlohmann::ordered_json vector_json(const Vec3& v);
 nlohmann::ordered_json pose_json(const RigidTransform& pose);
+// The scatter behind the covariance, and what the search for closest points cost.
+nlohmann::ordered_json registration_work_json(const RegistrationResult& registration);
 nlohmann::ordered_json covariance_json(const Eigen::Ref<const Eigen::MatrixXd>& covariance);
 nlohmann::ordered_json statistics_json(const DeviationStatistics& statistics);
 nlohmann::ordered_json tolerance_json(const Tolerance& tolerance);

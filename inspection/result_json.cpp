@@ -79,6 +79,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                 {{"scan", number_json(view.time.scan_s)},
                  {"register", number_json(view.time.register_s)},
                  {"evaluate", number_json(view.time.evaluate_s)}}}};
+  json.update(registration_work_json(r));
   json["cross_check"] = r.cross_check ? cross_check_json(*r.cross_check) : Json(nullptr);
   json["truth"] = view.truth
                       ? Json{{"pose", pose_json(view.truth->true_part_from_mcs)},

@@ -499,6 +499,10 @@ function registrationFacts() {
     if (v.shows_misfit) add('fit', 'neighbouring residuals agree: form errors of the size of the RMS, another part, or a wrong pose');
     add('RMS before / after (weighted)', `${mm(v.initial_rms_mm)} / ${mm(v.weighted_rms_mm)} mm`);
     add('inliers / rejected', `${v.inliers} / ${v.outliers}`);
+    if (v.closest_points) {
+      add('\u03c3 of a distance behind the covariance', `${short(1000 * v.sigma_mm)} \u00b5m, ${v.sigma_estimated ? 'from the residuals' : 'given'}`);
+      add('closest points: searched / from cache / facets tested', `${v.closest_points.queries} / ${v.closest_points.cache_hits} / ${v.closest_points.facets_tested}`);
+    }
     const u = v.pose_covariance.map((row, k) => Math.sqrt(Math.max(row[k], 0)));
     add('pose uncertainty (k = 1), rotation x y z', u.slice(0, 3).map(x => short(1000 * x)).join(', ') + ' mrad');
     add('pose uncertainty (k = 1), translation x y z at the scan\u2019s centroid', u.slice(3).map(x => short(1000 * x)).join(', ') + ' \u00b5m');
