@@ -176,14 +176,23 @@ double colour_limit_mm(const Scenario& scenario, const std::vector<FinishedView>
   return rounded_colour_limit_mm(largest_rms_mm);
 }
 
+PointsTogether together_of(const std::optional<JointResult>& joint, const std::string& view) {
+  if (!joint) return {};
+  const auto found = std::find_if(joint->views.begin(), joint->views.end(),
+                                  [&](const JointView& candidate) { return candidate.view == view; });
+  return {&joint->deviations, found->first_point};
+}
+
 void write_view(const Folder& folder, const Scenario& scenario, const PartOnMachine& nominal,
-                const FinishedView& view, const RunFacts& run) {
+                const FinishedView& view, const InspectionResult& inspection) {
+  const RunFacts& run = inspection.run;
   const ViewResult& result = view.evaluated.result;
   const Deviations& deviations = view.evaluated.deviations;
   const RigidTransform& part_from_mcs = result.registration.part_from_mcs;
   const MachineGeometry& geometry = scenario.machine.geometry;
   const Vec3 beam_mcs = beam_in_mcs(geometry, {.theta_rad = result.theta_rad}).direction;
-  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run);
+  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run,
+                      together_of(inspection.evaluation.joint, result.view));
   write_range_image_exr(
       folder / fmt::format("{}.exr", result.view),
       range_image_of(view.measured.scan, deviations, part_from_mcs, run, beam_mcs,
@@ -237,7 +246,7 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
       evaluate_together(evaluation_spec(scenario, datum_surfaces), target, scenario.registration.options,
                         scenario.inspection.surface, scans_of(views));
   if (run_folder) {
-    for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result.run);
+    for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result);
     if (!run.result.views.empty()) {
       write_result_json(*run_folder / "result.json", run.result);
       write_run_report(*run_folder, nominal.part.get());

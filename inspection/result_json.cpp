@@ -39,9 +39,6 @@ Json run_json(const RunFacts& run) {
 
 Json view_json(const RunFacts& run, const ViewResult& view) {
   const RegistrationResult& r = view.registration;
-  Json undetermined = Json::array();
-  for (const UndeterminedDirection& direction : r.undetermined) undetermined.push_back(direction.words);
-
   const bool registered = view.failure.empty();
   Json json = {{"view", view.view},
                {"failure", registered ? Json(nullptr) : Json(view.failure)},
@@ -60,7 +57,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                {"pose", pose_json(r.part_from_mcs)},
                {"pose_covariance", covariance_json(r.covariance)},
                {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
-               {"undetermined", undetermined},
+               {"undetermined", undetermined_json(r)},
                {"iterations", r.iterations},
                {"termination", registered ? to_string(r.termination) : "not registered"},
                {"converged", registered && is_converged(r.termination)},

@@ -79,6 +79,10 @@ TEST_F(ReportTest, OpensInARealBrowser) {
   EXPECT_GT(found["colours"].get<int>(), 20) << found;
   EXPECT_NE(found["picked"].get<std::string>().find("view front, point"), std::string::npos) << found;
   EXPECT_GT(found["surface_differs"].get<int>(), 1000) << found;
+  // Two views of one cube: nearly every deviation is another at the pose of both, none by much.
+  EXPECT_GT(found["pose_differs"].get<int>(), 500) << found;
+  EXPECT_GT(found["pose_moves_mm"].get<double>(), 0.0) << found;
+  EXPECT_LT(found["pose_moves_mm"].get<double>(), 0.02) << found;
 }
 
 TEST_F(ReportTest, IsMadeAgainFromTheFolder) {
