@@ -16,6 +16,7 @@
 #include "geometry/error.h"
 #include "hardware/scan_file.h"
 #include "inspection/deviation_ply.h"
+#include "inspection/part_pictures.h"
 #include "inspection/range_image_exr.h"
 #include "inspection/render_png.h"
 #include "inspection/result_json.h"
@@ -205,6 +206,22 @@ void write_view(const Folder& folder, const Scenario& scenario, const PartOnMach
                        deviations, result, run, viewpoint, picture);
 }
 
+// With the points at the pose at which the part as a whole is judged.
+void write_part_pictures(const Folder& folder, const PartOnMachine& nominal,
+                         const std::vector<FinishedView>& views, const InspectionResult& inspection) {
+  if (views.empty()) return;
+  create_output_folder(folder);
+  const auto render = [&](const Deviations& deviations, const ViewResult& title) {
+    render_part_pictures(folder, *nominal.part, *nominal.caster, deviations, title, inspection.run);
+  };
+  const std::optional<JointResult>& joint = inspection.evaluation.joint;
+  if (!joint) return render(views.front().evaluated.deviations, views.front().evaluated.result);
+  ViewResult all;
+  all.view = "all views together";
+  all.statistics = joint->statistics;
+  render(joint->deviations, all);
+}
+
 }  // namespace
 
 InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Folder>& run_folder,
@@ -247,6 +264,7 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
                         scenario.inspection.surface, scans_of(views));
   if (run_folder) {
     for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result);
+    write_part_pictures(*run_folder / "pictures", nominal, views, run.result);
     if (!run.result.views.empty()) {
       write_result_json(*run_folder / "result.json", run.result);
       write_run_report(*run_folder, nominal.part.get());
