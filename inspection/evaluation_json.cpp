@@ -67,6 +67,7 @@ Json profile_json(const ProfileResult& profile) {
           {"min_mm", number_json(profile.min_mm)},
           {"max_mm", number_json(profile.max_mm)},
           {"profile_mm", number_json(profile.profile_mm)},
+          {"standard_uncertainty_mm", number_json(profile.uncertainty_mm)},
           {"guard_mm", number_json(profile.guard_mm)},
           {"rejection_guard_mm", number_json(profile.rejection_guard_mm)},
           {"rejection_factor", number_json(profile.rejection_factor)},

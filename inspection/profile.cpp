@@ -120,6 +120,7 @@ ProfileResult evaluate_profile(const ProfileCallout& callout, const Part& part, 
   if (result.points > result.outliers) {
     result.guard_mm = kGuardFactor * worst.uncertainty_mm;
     result.rejection_guard_mm = result.rejection_factor * worst.uncertainty_mm;
+    result.uncertainty_mm = 2.0 * worst.uncertainty_mm;
     result.profile_mm = 2.0 * worst.excess_mm + (tolerance.upper_mm - tolerance.lower_mm);
   }
   decide(result, bad, doubtful, outliers_outside);

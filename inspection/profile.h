@@ -30,6 +30,7 @@ struct ProfileResult {
   double max_mm = kNoValue;
   // Twice the largest distance from the middle of the zone, to be compared with the zone's width.
   double profile_mm = kNoValue;
+  double uncertainty_mm = kNoValue;  // standard, of profile_mm: twice that of the point farthest out
   // Guard bands at the point that decides: inside either limit to accept, outside it to reject.
   double guard_mm = kNoValue;
   double rejection_guard_mm = kNoValue;

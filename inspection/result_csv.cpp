@@ -87,9 +87,10 @@ std::string features_csv(const Json& result) {
                    feature.at("measured").is_null() ? feature.at("reason") : feature.at("method"), nullptr});
   for (const Json& profile : result.at("profiles"))
     text += row({"profile", profile.at("name"), "profile", "mm", 0.0, profile.at("profile_mm"),
-                 profile.at("profile_mm"), nullptr, profile.at("tolerance_mm").at(0),
-                 profile.at("tolerance_mm").at(1), profile.at("guard_mm"), profile.at("conformity"), nullptr,
-                 profile.at("reason"), profile.value("rejection_guard_mm", Json(nullptr))});
+                 profile.at("profile_mm"), profile.value("standard_uncertainty_mm", Json(nullptr)),
+                 profile.at("tolerance_mm").at(0), profile.at("tolerance_mm").at(1), profile.at("guard_mm"),
+                 profile.at("conformity"), nullptr, profile.at("reason"),
+                 profile.value("rejection_guard_mm", Json(nullptr))});
   text += differences("offset", result.at("offsets"));
   if (!result.at("joint").is_null())
     text += differences("between views", result.at("joint").at("between_views"));

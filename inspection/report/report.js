@@ -474,8 +474,8 @@ function markSurface() {
 
 function profileTable() {
   if (!result.profiles.length) { byId('profile-section').remove(); return; }
-  byId('profiles').append(table(['Profile', 'Decision', 'Why', 'Lower', 'Upper', 'Points', 'Outliers', 'Min', 'Max', 'Profile', 'Guard band to accept', 'to reject', 'Within', 'Over', 'Under'],
-    result.profiles.map(p => [p.name, {text: p.conformity, kind: kConformity[p.conformity]}, p.reason, mm(p.tolerance_mm[0], 3), mm(p.tolerance_mm[1], 3), p.points, p.outliers,
+  byId('profiles').append(table(['Profile', 'Decision', {text: 'Why', kind: 'why'}, 'Lower', 'Upper', 'Points', 'Outliers', 'Min', 'Max', 'Profile', 'Guard band to accept', 'to reject', 'Within', 'Over', 'Under'],
+    result.profiles.map(p => [p.name, {text: p.conformity, kind: kConformity[p.conformity]}, {text: p.reason, kind: 'why'}, mm(p.tolerance_mm[0], 3), mm(p.tolerance_mm[1], 3), p.points, p.outliers,
       mm(p.min_mm), mm(p.max_mm), mm(p.profile_mm), mm(p.guard_mm), mm(p.rejection_guard_mm), percent(p.counts.percent_within), percent(p.counts.percent_over), percent(p.counts.percent_under)]), 3));
 }
 
@@ -740,4 +740,4 @@ function selfTest() {
   document.body.append(element('pre', {id: 'selftest'}, JSON.stringify(found)));
 }
 if (location.hash === '#selftest') selfTest();
-if (location.hash === '#surface' && part) { state.interpolate = true; byId('interpolate').checked = true; update(); }
+if (location.hash === '#coloured' && part) { state.interpolate = true; byId('interpolate').checked = true; update(); }

@@ -118,6 +118,7 @@ TEST_F(Profile, ValueIsTwiceTheLargestDistanceFromTheMiddle) {
   EXPECT_EQ(equal.min_mm, -0.04);
   EXPECT_EQ(equal.max_mm, 0.02);
   EXPECT_NEAR(equal.guard_mm, 0.00165, 1e-15);
+  EXPECT_NEAR(equal.uncertainty_mm, 0.002, 1e-15);
   // Zone -0.02 to 0.08, middle 0.03: the point at -0.04 is 0.07 off.
   EXPECT_NEAR(evaluate({0.02, -0.04, 0.01}, 0.001, {-0.02, 0.08}).profile_mm, 0.14, 1e-15);
 }
