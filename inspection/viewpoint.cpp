@@ -47,7 +47,7 @@ std::vector<Viewpoint> fixed_viewpoints() {
       viewpoints.push_back({std::string("from_") + (plus ? "plus_" : "minus_") + "xyz"[axis], to_camera,
                             axis == 2 ? Vec3::UnitY() : Vec3::UnitZ()});
     }
-  viewpoints.push_back(oblique_viewpoint("oblique", {"", Vec3::UnitX(), Vec3::UnitZ()}));
+  viewpoints.push_back(oblique_viewpoint("oblique", Viewpoint{}));
   return viewpoints;
 }
 

@@ -31,7 +31,7 @@ Viewpoint viewpoint_of_view(const std::string& name, const MachineGeometry& geom
 Viewpoint oblique_viewpoint(const std::string& name, const Viewpoint& base);
 
 // Along the axes of the part frame, from either side (z up; y up where the camera looks along z), and
-// obliquely from between +x, +y and +z. Named from_plus_x ... from_minus_z, oblique.
+// obliquely from between -x, +y and +z. Named from_plus_x ... from_minus_z, oblique.
 std::vector<Viewpoint> fixed_viewpoints();
 
 struct Camera {

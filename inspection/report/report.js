@@ -449,7 +449,7 @@ const countCells = t => !tolerance ? [] : t ? [percent(t.percent_within), percen
 
 function viewTable() {
   const headings = ['View', '', 'Before RMS', ...statisticsHeadings, ...countHeadings];
-  const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? (v.shows_misfit ? {text: 'converged, does not fit everywhere', kind: 'doubt'} : {text: 'converged', kind: 'good'}) : {text: v.termination, kind: 'bad'},
+  const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? (v.shows_misfit ? {text: 'converged, misfit', kind: 'doubt'} : {text: 'converged', kind: 'good'}) : {text: v.termination, kind: 'bad'},
     mm(v.initial_rms_mm), ...statisticsCells(v.deviations), ...countCells(v.tolerance)]);
   byId('view-table').append(table(headings, rows, 2));
   // Points that came from elsewhere were planned by nobody.
@@ -577,9 +577,10 @@ function summary() {
     if (v.failure) return [`${v.view}: failed`, 'bad'];
     if (!v.converged) return [`${v.view}: ${v.termination}`, 'bad'];
     const rms = `${v.view}: RMS ${mm(v.rms_mm)} mm`, t = v.tolerance;
-    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance${v.shows_misfit ? ', does not fit everywhere' : ''}`, 'bad'];
-    if (t && t.outliers_outside) return [`${rms}, outliers out of tolerance: ${t.outliers_outside}`, 'doubt'];
-    if (v.shows_misfit) return [`${rms}, does not fit everywhere`, 'doubt'];
+    const misfit = v.shows_misfit ? ', does not fit everywhere' : '';
+    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance${misfit}`, 'bad'];
+    if (t && t.outliers_outside) return [`${rms}, outliers out of tolerance: ${t.outliers_outside}${misfit}`, 'doubt'];
+    if (misfit) return [rms + misfit, 'doubt'];
     return [rms, 'good'];
   };
   for (const v of result.views) chip(...verdict(v));

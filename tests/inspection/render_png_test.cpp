@@ -53,9 +53,9 @@ TEST(Viewpoint, FixedOnesLookAlongTheAxesAndObliquely) {
   EXPECT_EQ(fixed[3].name, "from_minus_y");
   EXPECT_EQ(fixed[3].to_camera, Vec3(0, -1, 0));
   EXPECT_EQ(fixed[4].up, Vec3(0, 1, 0));
-  // Turned by 35 and raised by 25 degrees from +x.
+  // Turned by 35 and raised by 25 degrees from +y.
   const double turned = 35.0 * std::numbers::pi / 180.0, raised = 25.0 * std::numbers::pi / 180.0;
-  const Vec3 oblique(std::cos(raised) * std::cos(turned), std::cos(raised) * std::sin(turned),
+  const Vec3 oblique(-std::cos(raised) * std::sin(turned), std::cos(raised) * std::cos(turned),
                      std::sin(raised));
   EXPECT_NEAR((fixed[6].to_camera - oblique).norm(), 0.0, 1e-15);
 }
