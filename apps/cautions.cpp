@@ -14,6 +14,12 @@ std::vector<std::string> cautions(const ViewResult& view) {
   for (const UndeterminedDirection& direction : registration.undetermined)
     found.push_back(fmt::format("view {}: the scan does not determine {}; it stays as in the initial pose",
                                 view.view, direction.words));
+  if (registration.shows_misfit)
+    found.push_back(fmt::format(
+        "view {}: neighbouring residuals agree: the scan does not fit the part everywhere. Either the "
+        "part has form errors of the size of the RMS, or it is another part, or it stood (or the scan "
+        "lay) too far from where the initial pose says",
+        view.view));
   if (registration.cross_check && !registration.cross_check->agrees)
     found.push_back(
         fmt::format("view {}: the cross-check disagrees: {}", view.view, registration.cross_check->summary));

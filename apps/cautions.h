@@ -1,5 +1,5 @@
 // What a user must be told beside the numbers of a registration: that it did not converge, that the scan
-// leaves a freedom open, that the cross-check disagrees.
+// leaves a freedom open, that it does not fit the part everywhere, that the cross-check disagrees.
 #pragma once
 
 #include <string>

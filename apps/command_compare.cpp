@@ -25,6 +25,7 @@ struct Change {
                                                    : std::nan("");
   }
   bool is_same() const { return before == after; }
+  // More than three standard uncertainties.
   bool is_clear() const { return uncertainty > 0.0 && std::abs(difference()) > 3.0 * uncertainty; }
 };
 
@@ -159,7 +160,10 @@ void compare_features(const Json& a, const Json& b, std::vector<Change>& changes
     const Json* other = find_by(b.at("profiles"), "name", profile.at("name"));
     if (!other) continue;
     const std::string name = "profile " + profile.at("name").get<std::string>();
-    changes.push_back({name, "profile_mm", "mm", profile.at("profile_mm"), other->at("profile_mm")});
+    const Json u = profile.value("standard_uncertainty_mm", Json()),
+               v = other->value("standard_uncertainty_mm", Json());
+    changes.push_back({name, "profile_mm", "mm", profile.at("profile_mm"), other->at("profile_mm"),
+                       u.is_number() && v.is_number() ? std::hypot(u.get<double>(), v.get<double>()) : 0.0});
     if (profile.at("conformity") != other->at("conformity"))
       notes.push_back(fmt::format("{}: was {}, is {}", name, profile.at("conformity").get<std::string>(),
                                   other->at("conformity").get<std::string>()));
@@ -189,6 +193,7 @@ int compare(const std::string& first, const std::string& second, bool json) {
   } catch (const Json::exception& failure) {
     throw InputError(fmt::format("{} or {}: {}", first, second, failure.what()));
   }
+  std::stable_partition(changes.begin(), changes.end(), [](const Change& c) { return c.is_clear(); });
   if (json) {
     Json list = Json::array();
     for (const Change& c : changes)
@@ -229,7 +234,8 @@ void add_compare_command(CLI::App& app, CommandLine& line) {
   command->add_option("run_b", options->second, "Folder of the second run")->required()->type_name("DIR");
   command->add_flag("--json", line.json, "Print the changes as JSON on standard output");
   command->footer(R"(
-Numbers that are in both runs and differ, view by view, section by section. Lengths in mm, angles in rad. A pose is that of
+Numbers that are in both runs and differ, view by view, section by section; first those that changed by more than three
+standard uncertainties. Lengths in mm, angles in rad. A pose is that of
 the second run relative to the first, about the scan's centroid: it tells how the part stood, not what it is.
 
 Example:

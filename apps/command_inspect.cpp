@@ -51,10 +51,7 @@ bool tell_decisions(const EvaluationResult& evaluation) {
     all_conform = false;
     spdlog::warn("profile {}: {}: {}", profile.callout.name, to_string(profile.conformity), profile.reason);
   }
-  for (const SectionResult& section : evaluation.sections)
-    for (const SectionFeature& feature : section.features)
-      if (!feature.reason.empty())
-        spdlog::warn("section at {:g} mm: no {}: {}", section.height_mm, feature.name, feature.reason);
+  for (const std::string& missing : evaluation.missing_features) spdlog::warn("{}", missing);
   return all_conform;
 }
 
@@ -70,6 +67,7 @@ void print_files(const InspectionResult& result, const std::filesystem::path& fo
     tell(fmt::format("scan_{}.ply", view.view), "the points as measured");
     tell(view.view + ".exr", "the range image");
   }
+  tell("pictures/oblique.png", "the part with the points of all views, and beside it along every axis");
   tell("report.html", "all of it to look at, in any browser, without a network");
   tell("statistics.csv", "of each view and surface, for a spreadsheet");
   tell("features.csv", "profiles, sections and offsets, for a spreadsheet");

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -119,7 +120,9 @@ int plan(const PlanCommandOptions& options, bool json) {
   render_coverage_png(folder / "coverage.png", part, *nominal.caster, coverage,
                       viewpoints(scenario, planned.chosen.views));
 
-  planned.plans = plan_views(scenario, nominal, planned.chosen.views);
+  UnseenViews unseen;
+  planned.plans = plan_views(scenario, nominal, planned.chosen.views, &unseen);
+  for (const auto& [view, reason] : unseen) spdlog::warn("{}", reason);
   planned.time_s = estimated_times_s(scenario.machine, planned.plans);
   if (json) {
     fmt::print("{}\n", plan_json(planned, part).dump(2));

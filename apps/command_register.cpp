@@ -137,12 +137,6 @@ int run_registration(const RegisterOptions& options, bool json) {
     fmt::print("{}", inspection_table(result));
   const auto& cross_check = view.result.registration.cross_check;
   if (!json && cross_check && cross_check->agrees) fmt::print("The cross-check {}\n", cross_check->summary);
-  if (view.result.registration.shows_misfit)
-    spdlog::warn(
-        "neighbouring residuals agree: the scan does not fit the part everywhere. Either the part has form "
-        "errors of the "
-        "size of the RMS, or it is another part, or the scan lay too far away (--initial says where it "
-        "lies)");
   for (const std::string& caution : cautions(view.result)) spdlog::warn("{}", caution);
   return is_sound(view.result.registration) ? ExitCode::done : ExitCode::expectation_failed;
 }

@@ -24,7 +24,7 @@ double count(std::size_t number) {
 }
 
 // The names are those of result.json.
-constexpr std::array<Quantity, 18> kQuantities{{
+constexpr std::array<Quantity, 19> kQuantities{{
     {"planned", [](const ViewResult& view) { return count(view.planned); }},
     {"points", [](const ViewResult& view) { return count(view.statistics.points); }},
     {"out_of_range", [](const ViewResult& view) { return count(view.out_of_range); }},
@@ -34,6 +34,7 @@ constexpr std::array<Quantity, 18> kQuantities{{
     {"iterations", [](const ViewResult& view) { return static_cast<double>(view.registration.iterations); }},
     {"inliers", [](const ViewResult& view) { return count(view.registration.inliers); }},
     {"outliers", [](const ViewResult& view) { return count(view.registration.outliers); }},
+    {"shows_misfit", [](const ViewResult& view) { return view.registration.shows_misfit ? 1.0 : 0.0; }},
     {"inlier_percent",
      [](const ViewResult& view) {
        return 100.0 * count(view.registration.inliers) / count(view.statistics.points);
@@ -86,6 +87,7 @@ constexpr const char* kComponents[] = {"rotation_x_rad",   "rotation_y_rad",   "
 std::map<std::string, double> numbers_of(const EvaluationResult& evaluation) {
   std::map<std::string, double> numbers;
   numbers["missing"] = count(evaluation.missing.size());
+  numbers["missing_features"] = count(evaluation.missing_features.size());
   if (evaluation.joint) numbers["joint.rms_mm"] = evaluation.joint->statistics.rms_mm;
   for (const ProfileResult& profile : evaluation.profiles) {
     const std::string name = "profile." + profile.callout.name;
@@ -159,7 +161,7 @@ std::vector<Verdict> judge(const std::map<std::string, ViewExpectation>& expecte
 }
 
 std::vector<std::string> part_quantities(const InspectionSpec& inspection) {
-  std::vector<std::string> names{"missing", "joint.rms_mm"};
+  std::vector<std::string> names{"missing", "missing_features", "joint.rms_mm"};
   for (const ProfileSpec& profile : inspection.profiles)
     for (const char* quantity : {"profile_mm", "conforming"})
       names.push_back(fmt::format("profile.{}.{}", profile.name, quantity));

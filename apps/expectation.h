@@ -53,6 +53,7 @@ std::vector<Verdict> judge(const std::map<std::string, ViewExpectation>& expecte
 //   section.<height>.<feature>           measured minus nominal, mm or rad
 //   offset.<group>.translation_x_mm ...  and .rotation_x_rad ...
 //   missing                              how many things that were asked for could not be made
+//   missing_features                     how many features of measured sections have no number
 std::vector<std::string> part_quantities(const InspectionSpec& inspection);
 std::vector<Verdict> judge_part(const std::map<std::string, PartExpectation>& expected,
                                 const EvaluationResult& evaluation);

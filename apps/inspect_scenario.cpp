@@ -17,6 +17,7 @@
 #include "geometry/error.h"
 #include "hardware/scan_file.h"
 #include "inspection/deviation_ply.h"
+#include "inspection/part_pictures.h"
 #include "inspection/range_image_exr.h"
 #include "inspection/render_png.h"
 #include "inspection/result_json.h"
@@ -33,6 +34,15 @@ struct FinishedView {
   MeasuredView measured;
   EvaluatedView evaluated;
 };
+
+// Resolved before the scan: a name that the part does not have would be noticed only after it.
+std::vector<std::uint32_t> datum_surfaces_of(const Scenario& scenario, const Part& part) {
+  try {
+    return select_surfaces(part, scenario.inspection.datum_surfaces);
+  } catch (const InputError& failure) {
+    throw InputError(fmt::format("datum_surfaces: {}", failure.what()));
+  }
+}
 
 std::optional<Tolerance> tolerance_of(const InspectionSpec& inspection) {
   if (!inspection.tolerance_mm) return std::nullopt;
@@ -101,12 +111,12 @@ void tell_samples(const ViewResult& result, std::size_t points) {
 
 // One view of several seldom determines the pose by the datum surfaces it sees: there they hold all views
 // together (evaluate_together), and each view keeps its best fit.
-ViewEvaluationOptions view_options(const Part& part, const Scenario& scenario, std::size_t views) {
-  const bool only_view = views == 1;
-  return {
-      scenario.registration.options, scenario.inspection.surface,
-      only_view ? select_surfaces(part, scenario.inspection.datum_surfaces) : std::vector<std::uint32_t>{},
-      tolerance_of(scenario.inspection)};
+ViewEvaluationOptions view_options(const Scenario& scenario, const std::vector<ScanPlan>& plans,
+                                   const std::vector<std::uint32_t>& datum_surfaces) {
+  const bool only_view = std::count_if(plans.begin(), plans.end(),
+                                       [](const ScanPlan& plan) { return !plan.lines.empty(); }) == 1;
+  return {scenario.registration.options, scenario.inspection.surface,
+          only_view ? datum_surfaces : std::vector<std::uint32_t>{}, tolerance_of(scenario.inspection)};
 }
 
 FinishedView finish_view(const Scenario& scenario, const RegistrationTarget& target,
@@ -143,10 +153,9 @@ ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const
   return view;
 }
 
-EvaluationSpec evaluation_spec(const Scenario& scenario, const Part& part) {
+EvaluationSpec evaluation_spec(const Scenario& scenario, const std::vector<std::uint32_t>& datum_surfaces) {
   const InspectionSpec& inspection = scenario.inspection;
-  return {inspection.profiles, inspection.sections, inspection.groups,
-          select_surfaces(part, inspection.datum_surfaces),
+  return {inspection.profiles, inspection.sections, inspection.groups, datum_surfaces,
           inspection.point_uncertainty_mm.value_or(scenario.machine.lens.accuracy_mm)};
 }
 
@@ -168,14 +177,23 @@ double colour_limit_mm(const Scenario& scenario, const std::vector<FinishedView>
   return rounded_colour_limit_mm(largest_rms_mm);
 }
 
+PointsTogether together_of(const std::optional<JointResult>& joint, const std::string& view) {
+  if (!joint) return {};
+  const auto found = std::find_if(joint->views.begin(), joint->views.end(),
+                                  [&](const JointView& candidate) { return candidate.view == view; });
+  return {&joint->deviations, found->first_point};
+}
+
 void write_view(const Folder& folder, const Scenario& scenario, const PartOnMachine& nominal,
-                const FinishedView& view, const RunFacts& run) {
+                const FinishedView& view, const InspectionResult& inspection) {
+  const RunFacts& run = inspection.run;
   const ViewResult& result = view.evaluated.result;
   const Deviations& deviations = view.evaluated.deviations;
   const RigidTransform& part_from_mcs = result.registration.part_from_mcs;
   const MachineGeometry& geometry = scenario.machine.geometry;
   const Vec3 beam_mcs = beam_in_mcs(geometry, {.theta_rad = result.theta_rad}).direction;
-  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run);
+  write_deviation_ply(folder / fmt::format("deviations_{}.ply", result.view), deviations, result.view, run,
+                      together_of(inspection.evaluation.joint, result.view));
   write_range_image_exr(
       folder / fmt::format("{}.exr", result.view),
       range_image_of(view.measured.scan, deviations, part_from_mcs, run, beam_mcs,
@@ -188,6 +206,22 @@ void write_view(const Folder& folder, const Scenario& scenario, const PartOnMach
                        deviations, result, run, viewpoint, picture);
 }
 
+// With the points at the pose at which the part as a whole is judged.
+void write_part_pictures(const Folder& folder, const PartOnMachine& nominal,
+                         const std::vector<FinishedView>& views, const InspectionResult& inspection) {
+  if (views.empty()) return;
+  create_output_folder(folder);
+  const auto render = [&](const Deviations& deviations, const ViewResult& title) {
+    render_part_pictures(folder, *nominal.part, *nominal.caster, deviations, title, inspection.run);
+  };
+  const std::optional<JointResult>& joint = inspection.evaluation.joint;
+  if (!joint) return render(views.front().evaluated.deviations, views.front().evaluated.result);
+  ViewResult all;
+  all.view = "all views together";
+  all.statistics = joint->statistics;
+  render(joint->deviations, all);
+}
+
 }  // namespace
 
 InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Folder>& run_folder,
@@ -198,15 +232,16 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
                nominal.part->model.facet_count());
   // What the registration would refuse after the scan.
   require_surfaces(*nominal.part, scenario.registration.options.surfaces);
+  const std::vector<std::uint32_t> datum_surfaces = datum_surfaces_of(scenario, *nominal.part);
   InspectionRun run;
   run.result.run = run_facts(scenario, *nominal.part);
   const RegistrationTarget target(*nominal.part);
-  Measurement measurement(scenario, nominal);
+  Measurement measurement(scenario, nominal, true);
   if (run_folder) {
     prepare_run_folder(*run_folder, scenario);
     measurement.keep_journal(*run_folder / "scan.journal", resume);
   }
-  const ViewEvaluationOptions options = view_options(*nominal.part, scenario, measurement.plans().size());
+  const ViewEvaluationOptions options = view_options(scenario, measurement.plans(), datum_surfaces);
   std::vector<FinishedView> views;
   for (const ScanPlan& plan : measurement.plans()) {
     MeasuredView measured;
@@ -225,10 +260,11 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
 
   run.result.run.colour_limit_mm = colour_limit_mm(scenario, views);
   run.result.evaluation =
-      evaluate_together(evaluation_spec(scenario, *nominal.part), target, scenario.registration.options,
+      evaluate_together(evaluation_spec(scenario, datum_surfaces), target, scenario.registration.options,
                         scenario.inspection.surface, scans_of(views));
   if (run_folder) {
-    for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result.run);
+    for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result);
+    write_part_pictures(*run_folder / "pictures", nominal, views, run.result);
     if (!run.result.views.empty()) {
       write_result_json(*run_folder / "result.json", run.result);
       write_run_report(*run_folder, nominal.part.get());

@@ -16,11 +16,10 @@ struct InspectionRun {
 
 // With `run_folder`, writes resolved.yaml, the journal of the scan (scan.journal) as it is measured, then
 // scan_<view>.ply as soon as a view is measured, then for each view deviations_<view>.ply, <view>.exr and
-// <view>.png, then result.json (a folder without it holds no result) and last the report made from all that.
-// A view that cannot be measured or registered says why in its result; the others go on. The files of an
-// earlier run in the folder are replaced; with `resume`, the scan in its journal is gone on with. Throws
-// InputError,
-// MachineFault.
+// <view>.png, the pictures of the part as a whole (pictures/), then result.json (a folder without it holds no
+// result) and last the report made from all that. A view that cannot be measured or registered says why in
+// its result; the others go on. The files of an earlier run in the folder are replaced; with `resume`, the
+// scan in its journal is gone on with. Throws InputError, MachineFault.
 InspectionRun inspect_scenario(const Scenario& scenario,
                                const std::optional<std::filesystem::path>& run_folder, bool resume = false);
 

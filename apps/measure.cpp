@@ -150,9 +150,9 @@ struct Measurement::Session {
   }
 };
 
-Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal)
+Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal, bool keep_unseen)
     : scenario_(scenario),
-      plans_(plan_views(scenario, nominal, views_of(scenario, nominal))),
+      plans_(plan_views(scenario, nominal, views_of(scenario, nominal), keep_unseen ? &unseen_ : nullptr)),
       session_(new Session) {
   session_->backend = make_backend(scenario, nominal);
 }
@@ -203,6 +203,7 @@ std::vector<ProbeSample> Measurement::measured_before(const ScanPlan& plan) {
 }
 
 MeasuredView Measurement::measure(const ScanPlan& plan) {
+  if (plan.lines.empty()) throw InputError(unseen_.at(plan.view));
   const MachineGeometry& geometry = scenario_.machine.geometry;
   std::optional<JournalWriter>& journal = session_->journal;
   MeasuredView measured;

@@ -35,9 +35,10 @@ struct MeasuredView {
 
 class Measurement {
  public:
-  // Plans every view, so that whatever is wrong with one is known before anything moves or is written. Throws
-  // InputError.
-  Measurement(const Scenario& scenario, const PartOnMachine& nominal);
+  // Plans every view, so that whatever is wrong with one is known before anything moves or is written.
+  // `keep_unseen`: a view that can see none of the chosen surfaces keeps an empty plan, as long as another
+  // can. Throws InputError.
+  Measurement(const Scenario& scenario, const PartOnMachine& nominal, bool keep_unseen = false);
   ~Measurement();
 
   // From here on the samples are kept in `file` as they are measured (hardware/recorded/journal.h). `resume`:
@@ -49,7 +50,7 @@ class Measurement {
   const std::vector<ScanPlan>& plans() const { return plans_; }
 
   // Shows its progress on standard error. Ctrl-C ends it early: then scan.complete is false.
-  // Throws InputError (nothing came back; the journal holds another plan), MachineFault.
+  // Throws InputError (nothing came back; the plan is empty; the journal holds another plan), MachineFault.
   MeasuredView measure(const ScanPlan& plan);
 
  private:
@@ -57,6 +58,7 @@ class Measurement {
   std::vector<ProbeSample> measured_before(const ScanPlan& plan);
 
   const Scenario& scenario_;
+  UnseenViews unseen_;
   std::vector<ScanPlan> plans_;
   std::unique_ptr<Session> session_;
 };

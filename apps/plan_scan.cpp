@@ -46,6 +46,14 @@ const AxisPositions& last_position(const ScanPlan& plan) {
   return plan.retreat.empty() ? plan.lines.back().path.back() : plan.retreat.back();
 }
 
+// A view that sees nothing is a failure of that view; a scan that sees nothing is a mistake of the scenario.
+void require_a_view(const std::vector<ViewSpec>& views, const UnseenViews& unseen) {
+  if (unseen.size() < views.size()) return;
+  std::string reasons;
+  for (const ViewSpec& view : views) reasons += (reasons.empty() ? "" : "; ") + unseen.at(view.name);
+  throw InputError(reasons);
+}
+
 }  // namespace
 
 PartOnMachine put_on_machine(Part part) {
@@ -75,7 +83,7 @@ std::vector<ViewSpec> views_of(const Scenario& scenario, const PartOnMachine& no
 }
 
 std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& nominal,
-                                 const std::vector<ViewSpec>& views) {
+                                 const std::vector<ViewSpec>& views, UnseenViews* unseen) {
   const MachineSpec& machine = scenario.machine;
   const RigidTransform part_from_mcs = machine.mcs_from_part.inverse();
   const ProbeClearance clearance(nominal.part->model, machine.probe);
@@ -85,13 +93,23 @@ std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& 
     PlanOptions options = plan_options(scenario);
     options.view = view.name;
     options.theta_rad = view.theta_rad;
-    plans.push_back(
-        plan_view(machine.geometry, machine.lens, *nominal.part, *nominal.caster, part_from_mcs, options));
+    try {
+      plans.push_back(
+          plan_view(machine.geometry, machine.lens, *nominal.part, *nominal.caster, part_from_mcs, options));
+    } catch (const NothingToMeasure& nothing) {
+      if (!unseen) throw;
+      unseen->emplace(view.name, nothing.what());
+      plans.emplace_back();
+      plans.back().view = view.name;
+      plans.back().theta_rad = view.theta_rad;
+      continue;
+    }
     check_travel(plans.back(), machine.limits);
     check_clearance(plans.back(), machine.geometry, nominal.part->model, part_from_mcs, clearance,
                     machine.probe, at);
     at = last_position(plans.back());
   }
+  if (unseen) require_a_view(views, *unseen);
   return plans;
 }
 
@@ -99,6 +117,10 @@ std::vector<double> estimated_times_s(const MachineSpec& machine, const std::vec
   std::vector<double> times_s;
   AxisPositions at;  // home
   for (const ScanPlan& plan : plans) {
+    if (plan.lines.empty()) {
+      times_s.push_back(0.0);
+      continue;
+    }
     times_s.push_back(estimated_time_s(plan, machine.dynamics, machine.lens, at));
     at = last_position(plan);
   }

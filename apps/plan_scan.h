@@ -2,7 +2,9 @@
 // plan is found here, before anything moves.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "apps/scenario.h"
@@ -30,12 +32,17 @@ ViewsWithCoverage choose_and_cover(const Scenario& scenario, const PartOnMachine
 // The stated views, or those that are chosen for coverage.
 std::vector<ViewSpec> views_of(const Scenario& scenario, const PartOnMachine& nominal);
 
-// One plan a view, in order. Throws InputError naming view and cause: nothing of the chosen surfaces can be
-// measured, a position is out of travel, or the probe would touch the part on its way, from home on.
-std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& nominal,
-                                 const std::vector<ViewSpec>& views);
+// Why views have an empty plan, by their names: they can see none of the chosen surfaces.
+using UnseenViews = std::map<std::string, std::string>;
 
-// Time of each view from speeds and accelerations, with the way from the end of the view before (or home).
+// One plan a view, in order. Throws InputError naming view and cause: nothing of the chosen surfaces can be
+// measured (with `unseen`, only where no view can), a position is out of travel, or the probe would touch the
+// part on its way, from home on.
+std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& nominal,
+                                 const std::vector<ViewSpec>& views, UnseenViews* unseen = nullptr);
+
+// Time of each view from speeds and accelerations, with the way from the end of the view before (or home). An
+// empty plan takes none.
 std::vector<double> estimated_times_s(const MachineSpec& machine, const std::vector<ScanPlan>& plans);
 
 }  // namespace trueblade

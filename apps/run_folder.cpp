@@ -82,6 +82,10 @@ ReportCloud read_cloud(const std::filesystem::path& folder, const std::string& v
   cloud.snr = floats(column("scalar_snr"));
   for (const double value : column("surface")) cloud.surface.push_back(static_cast<std::uint32_t>(value));
   for (const double value : column("outlier")) cloud.outlier.push_back(value != 0.0);
+  if (vertex->find("scalar_deviation_together")) {
+    cloud.deviation_together = floats(column("scalar_deviation_together"));
+    for (const double value : column("outlier_together")) cloud.outlier_together.push_back(value != 0.0);
+  }
   return cloud;
 }
 

@@ -226,7 +226,7 @@ ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part
   for (const Cell& cell : cells)
     if (cell.chosen) ++plan.cells[static_cast<std::size_t>(cell.access)];
   if (runs.empty())
-    throw InputError(fmt::format(
+    throw NothingToMeasure(fmt::format(
         "view {}: nothing of the chosen surfaces can be measured at theta {:.3f} deg "
         "within {:.1f} deg of incidence{}",
         options.view, options.theta_rad / kDegree, max_incidence_rad / kDegree, count_reasons(plan.cells)));

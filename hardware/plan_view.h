@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/error.h"
 #include "geometry/ray_caster.h"
 #include "hardware/lens.h"
 #include "hardware/machine_geometry.h"
@@ -32,14 +33,20 @@ struct PlanOptions {
   void validate(const Part& part, const Lens& lens) const;
 };
 
+// The view can see none of the chosen surfaces, or reach them.
+class NothingToMeasure : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 // Raster of the nominal part's silhouette along the beam: columns across the rotary axis, rows along it
 // (when the beam is along the rotary axis: along the machine's axes). A cell is measured when the first
 // surface that the beam meets there is one of the chosen and the probe has access to it (point_access.h).
 // Lines run along rows; they are measured in the order of least travel, nearest end first.
 // The plan begins and ends with the probe withdrawn so far that the table can turn.
 // `nominal_caster` casts on nominal.model. The plan does not depend on the number of threads.
-// Throws InputError when the raster would exceed 10^8 cells, or when nothing chosen can be measured; the
-// message counts the reasons.
+// Throws InputError when the raster would exceed 10^8 cells, and NothingToMeasure, whose message counts the
+// reasons.
 ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part& nominal,
                    const RayCaster& nominal_caster, const RigidTransform& part_from_mcs,
                    const PlanOptions& options);

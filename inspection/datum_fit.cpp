@@ -13,6 +13,10 @@ RegistrationResult register_to_datum(const RegistrationTarget& target, const Sca
   RegistrationResult result = register_scan(target, scan, best_fit.part_from_mcs, on_datum);
   result.initial_rms_mm = best_fit.initial_rms_mm;
   result.iterations += best_fit.iterations;
+  result.work.queries += best_fit.work.queries;
+  result.work.cache_hits += best_fit.work.cache_hits;
+  result.work.facets_tested += best_fit.work.facets_tested;
+  result.work.boxes_tested += best_fit.work.boxes_tested;
   return result;
 }
 

@@ -26,7 +26,7 @@ std::string one_line(std::string text) {
   return text;
 }
 
-std::string header(std::size_t points, const std::string& view, const RunFacts& run) {
+std::string header(std::size_t points, const std::string& view, const RunFacts& run, bool together) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text += fmt::format("comment trueblade {}\n", one_line(run.program_version));
   text += "comment unit mm\ncomment frame pcs\n";
@@ -38,15 +38,17 @@ std::string header(std::size_t points, const std::string& view, const RunFacts& 
   text += "property double x\nproperty double y\nproperty double z\n";
   text += "property float scalar_deviation\nproperty float scalar_snr\n";
   text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
-  text += "property int surface\nproperty uchar outlier\nend_header\n";
+  text += "property int surface\nproperty uchar outlier\n";
+  if (together) text += "property float scalar_deviation_together\nproperty uchar outlier_together\n";
+  text += "end_header\n";
   return text;
 }
 
 }  // namespace
 
 void write_deviation_ply(const std::filesystem::path& file, const Deviations& d, const std::string& view,
-                         const RunFacts& run) {
-  std::string bytes = header(d.size(), view, run);
+                         const RunFacts& run, const PointsTogether& together) {
+  std::string bytes = header(d.size(), view, run, together.all != nullptr);
   for (std::size_t i = 0; i < d.size(); ++i) {
     const bool outlier = d.outliers.is_outlier[i];
     const Colour colour =
@@ -59,6 +61,9 @@ void write_deviation_ply(const std::filesystem::path& file, const Deviations& d,
     append(bytes, colour.blue);
     append(bytes, static_cast<std::int32_t>(d.surface[i]));
     append(bytes, static_cast<std::uint8_t>(outlier));
+    if (!together.all) continue;
+    append(bytes, static_cast<float>(together.all->signed_mm[together.first + i]));
+    append(bytes, static_cast<std::uint8_t>(together.all->outliers.is_outlier[together.first + i]));
   }
   write_file_atomically(file, [&](std::ostream& out) { out << bytes; });
 }

@@ -34,15 +34,17 @@ DeviationStatistics statistics_within(const Deviations& d, std::size_t begin, st
   return statistics_of(std::span(d.signed_mm).subspan(begin, count), left_out);
 }
 
-JointResult joint_result(const std::vector<ScanOfView>& views, const Deviations& deviations,
+JointResult joint_result(const std::vector<ScanOfView>& views, Deviations all,
                          const RegistrationResult& registration) {
   JointResult joint;
   joint.registration = registration;
+  joint.deviations = std::move(all);
+  const Deviations& deviations = joint.deviations;
   joint.statistics = statistics_of(deviations.signed_mm, deviations.outliers.is_outlier);
   std::size_t begin = 0;
   for (const ScanOfView& view : views) {
     joint.views.push_back({view.name, statistics_within(deviations, begin, view.scan->size()),
-                           pose_difference(view.name, *view.registration, "all views", registration)});
+                           pose_difference(view.name, *view.registration, "all views", registration), begin});
     begin += view.scan->size();
     if (&view != &views.front())
       joint.between_views.push_back(
@@ -98,16 +100,24 @@ void judge_profiles(const EvaluationSpec& spec, const Part& part, const Deviatio
   }
 }
 
-void measure_sections(const EvaluationSpec& spec, const Part& part, const Deviations& deviations,
-                      EvaluationResult& result) {
+void measure_sections(const EvaluationSpec& spec, const RegistrationTarget& target,
+                      const Deviations& deviations, EvaluationResult& result) {
   if (!spec.sections) return;
+  const Part& part = target.part();
   for (const double height_mm : spec.sections->heights_mm) {
     result.sections.push_back(measure_section(part, *spec.sections, height_mm, deviations));
     const SectionResult& section = result.sections.back();
+    result.section_profiles.push_back(
+        profile_stretches(target, spec.sections->plane(height_mm), section.outline_mm, result.profiles));
     if (!section.missing.empty())
       result.missing.push_back(fmt::format("section at {:g} mm: {}", height_mm, section.missing));
   }
   add_bow(result.sections);
+  for (const SectionResult& section : result.sections)
+    for (const SectionFeature& feature : section.features)
+      if (!feature.reason.empty())
+        result.missing_features.push_back(
+            fmt::format("section at {:g} mm: no {} ({})", section.height_mm, feature.name, feature.reason));
 }
 
 }  // namespace
@@ -116,6 +126,7 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
                                    const RegistrationOptions& options, DeviationSurface surface,
                                    const std::vector<ScanOfView>& views) {
   EvaluationResult result;
+  result.datum_surfaces = spec.datum_surfaces;
   const bool anything = !spec.profiles.empty() || spec.sections || !spec.groups.empty();
   if (views.empty()) {
     if (anything) result.missing.emplace_back("profiles, sections and offsets: no view was registered");
@@ -124,7 +135,7 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
   if (views.size() == 1) {
     const ScanOfView& only = views.front();
     judge_profiles(spec, target.part(), *only.deviations, *only.registration, result);
-    measure_sections(spec, target.part(), *only.deviations, result);
+    measure_sections(spec, target, *only.deviations, result);
     compare_groups(spec, target, options, *only.scan, only.registration->part_from_mcs, result);
     return result;
   }
@@ -133,11 +144,13 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
   attempt("joint registration", result.missing, [&] {
     const RegistrationResult registration = register_to_datum(
         target, all, views.front().registration->part_from_mcs, options, spec.datum_surfaces);
-    const Deviations deviations = evaluate_deviations(target.part(), target.tree(), target.pseudo_normals(),
-                                                      all, registration.part_from_mcs, {surface});
-    result.joint = joint_result(views, deviations, registration);
+    result.joint = joint_result(views,
+                                evaluate_deviations(target.part(), target.tree(), target.pseudo_normals(),
+                                                    all, registration.part_from_mcs, {surface}),
+                                registration);
+    const Deviations& deviations = result.joint->deviations;
     judge_profiles(spec, target.part(), deviations, registration, result);
-    measure_sections(spec, target.part(), deviations, result);
+    measure_sections(spec, target, deviations, result);
     compare_groups(spec, target, options, all, registration.part_from_mcs, result);
   });
   return result;

@@ -10,6 +10,7 @@
 #include "inspection/measure_section.h"
 #include "inspection/pose_difference.h"
 #include "inspection/profile.h"
+#include "inspection/profile_stretches.h"
 #include "inspection/statistics.h"
 #include "registration/options.h"
 #include "registration/target.h"
@@ -48,12 +49,14 @@ struct JointView {
   std::string view;
   DeviationStatistics statistics;  // of the view's points at the joint pose
   PoseDifference alone;            // the view by itself, from the joint fit
+  std::size_t first_point = 0;     // of the view in JointResult::deviations
 };
 
 // All views as one scan: their points share the measurement frame, which turns with the rotary table, so that
 // the rotary angles tie them together.
 struct JointResult {
   RegistrationResult registration;
+  Deviations deviations;  // of all points at the joint pose, view after view
   DeviationStatistics statistics;
   std::vector<JointView> views;
   std::vector<PoseDifference> between_views;  // each view from the first, each registered by itself
@@ -66,13 +69,17 @@ struct GroupFit {
 };
 
 struct EvaluationResult {
-  std::optional<JointResult> joint;  // of two and more views
+  std::optional<JointResult> joint;           // of two and more views
+  std::vector<std::uint32_t> datum_surfaces;  // those of the specification
   std::vector<ProfileResult> profiles;
   std::vector<SectionResult> sections;
+  std::vector<std::vector<ProfileStretch>> section_profiles;  // of each section, along its outline
   std::vector<GroupFit> groups;
   std::vector<PoseDifference> offsets;  // each group from the first
   // What was asked for and could not be made, and why, one sentence each.
   std::vector<std::string> missing;
+  // Features of measured sections without a number: "section at 60 mm: no chord (reason)".
+  std::vector<std::string> missing_features;
 };
 
 // Profiles, sections and offsets take all points at the joint pose where there is more than one view, else

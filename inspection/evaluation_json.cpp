@@ -40,17 +40,21 @@ Json joint_json(const JointResult& joint) {
     views.push_back({{"view", view.view},
                      {"deviations", statistics_json(view.statistics)},
                      {"alone", difference_json(view.alone)}});
-  return {{"pose", pose_json(r.part_from_mcs)},
-          {"pose_covariance", covariance_json(r.covariance)},
-          {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
-          {"termination", to_string(r.termination)},
-          {"converged", is_converged(r.termination)},
-          {"iterations", r.iterations},
-          {"inliers", r.inliers},
-          {"outliers", r.outliers},
-          {"deviations", statistics_json(joint.statistics)},
-          {"views", views},
-          {"between_views", differences_json(joint.between_views)}};
+  Json json = {{"pose", pose_json(r.part_from_mcs)},
+               {"pose_covariance", covariance_json(r.covariance)},
+               {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
+               {"termination", to_string(r.termination)},
+               {"converged", is_converged(r.termination)},
+               {"iterations", r.iterations},
+               {"shows_misfit", r.shows_misfit},
+               {"inliers", r.inliers},
+               {"outliers", r.outliers},
+               {"deviations", statistics_json(joint.statistics)},
+               {"views", views},
+               {"between_views", differences_json(joint.between_views)}};
+  json["undetermined"] = undetermined_json(r);
+  json.update(registration_work_json(r));
+  return json;
 }
 
 Json profile_json(const ProfileResult& profile) {
@@ -63,7 +67,10 @@ Json profile_json(const ProfileResult& profile) {
           {"min_mm", number_json(profile.min_mm)},
           {"max_mm", number_json(profile.max_mm)},
           {"profile_mm", number_json(profile.profile_mm)},
+          {"standard_uncertainty_mm", number_json(profile.uncertainty_mm)},
           {"guard_mm", number_json(profile.guard_mm)},
+          {"rejection_guard_mm", number_json(profile.rejection_guard_mm)},
+          {"rejection_factor", number_json(profile.rejection_factor)},
           {"counts", counts},
           {"conformity", to_string(profile.conformity)},
           {"reason", profile.reason}};
@@ -74,7 +81,14 @@ Json rounded(double mm) {
   return std::isfinite(mm) ? Json(std::round(mm * 1e5) / 1e5) : Json(nullptr);
 }
 
-Json section_json(const SectionResult& section) {
+Json stretches_json(const std::vector<ProfileStretch>& stretches) {
+  Json list = Json::array();
+  for (const ProfileStretch& stretch : stretches)
+    list.push_back({{"profile", stretch.profile}, {"first", stretch.first}, {"last", stretch.last}});
+  return list;
+}
+
+Json section_json(const SectionResult& section, const std::vector<ProfileStretch>& stretches) {
   Json features = Json::array();
   for (const SectionFeature& f : section.features)
     features.push_back({{"name", f.name},
@@ -98,6 +112,7 @@ Json section_json(const SectionResult& section) {
           {"covered_percent", number_json(section.covered_percent)},
           {"missing", section.missing.empty() ? Json(nullptr) : Json(section.missing)},
           {"features", features},
+          {"profile_stretches", stretches_json(stretches)},
           {"outline_x_y_normal_deviation", outline},
           {"points_x_y_deviation", points}};
 }
@@ -116,6 +131,21 @@ Json pose_json(const RigidTransform& pose) {
   const Eigen::Quaterniond& q = pose.rotation;
   return {{"rotation_wxyz", {number_json(q.w()), number_json(q.x()), number_json(q.y()), number_json(q.z())}},
           {"translation_mm", vector_json(pose.translation_mm)}};
+}
+
+Json undetermined_json(const RegistrationResult& registration) {
+  Json list = Json::array();
+  for (const UndeterminedDirection& direction : registration.undetermined) list.push_back(direction.words);
+  return list;
+}
+
+Json registration_work_json(const RegistrationResult& registration) {
+  const ClosestPointWork& work = registration.work;
+  return {
+      {"sigma_mm", number_json(registration.sigma_mm)},
+      {"sigma_estimated", registration.sigma_estimated},
+      {"closest_points",
+       {{"queries", work.queries}, {"facets_tested", work.facets_tested}, {"cache_hits", work.cache_hits}}}};
 }
 
 Json covariance_json(const Eigen::Ref<const Eigen::MatrixXd>& covariance) {
@@ -157,15 +187,18 @@ Json counts_json(const ToleranceCounts& counts) {
 Json evaluation_json(const EvaluationResult& evaluation) {
   Json profiles = Json::array(), sections = Json::array(), groups = Json::array();
   for (const ProfileResult& profile : evaluation.profiles) profiles.push_back(profile_json(profile));
-  for (const SectionResult& section : evaluation.sections) sections.push_back(section_json(section));
+  for (std::size_t k = 0; k < evaluation.sections.size(); ++k)
+    sections.push_back(section_json(evaluation.sections[k], evaluation.section_profiles[k]));
   for (const GroupFit& group : evaluation.groups)
     groups.push_back({{"name", group.name}, {"points", group.points}, {"rms_mm", number_json(group.rms_mm)}});
-  return {{"joint", evaluation.joint ? joint_json(*evaluation.joint) : Json(nullptr)},
+  return {{"datum_surfaces", evaluation.datum_surfaces},
+          {"joint", evaluation.joint ? joint_json(*evaluation.joint) : Json(nullptr)},
           {"profiles", profiles},
           {"sections", sections},
           {"groups", groups},
           {"offsets", differences_json(evaluation.offsets)},
-          {"missing", evaluation.missing}};
+          {"missing", evaluation.missing},
+          {"missing_features", evaluation.missing_features}};
 }
 
 }  // namespace trueblade

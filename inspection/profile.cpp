@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "geometry/error.h"
+#include "geometry/random.h"
 
 namespace trueblade {
 namespace {
@@ -31,22 +32,35 @@ double excess_mm(const Tolerance& tolerance, double deviation_mm) {
 
 struct Worst {
   double excess_mm = -std::numeric_limits<double>::infinity();
-  double guard_mm = kNoValue;
+  double uncertainty_mm = kNoValue;
 };
+
+std::size_t points_that_count(const ProfileCallout& callout, const Deviations& deviations) {
+  std::size_t points = 0;
+  for (std::size_t i = 0; i < deviations.size(); ++i)
+    points += is_on(callout, deviations.surface[i]) && !deviations.outliers.is_outlier[i];
+  return points;
+}
 
 void decide(ProfileResult& result, std::size_t bad, std::size_t doubtful, std::size_t outliers_outside) {
   if (result.points == result.outliers) {
     result.reason = "no point was measured on these surfaces";
   } else if (bad > 0) {
     result.conformity = Conformity::not_conforming;
-    result.reason = fmt::format("{} points lie outside the zone by more than the guard band", bad);
+    result.reason =
+        fmt::format("{} of {} points lie outside the zone by more than {:.2f} standard uncertainties", bad,
+                    result.points - result.outliers, result.rejection_factor);
   } else if (doubtful > 0) {
-    result.reason = fmt::format("{} points lie within the guard band of a limit", doubtful);
+    result.reason = fmt::format(
+        "{} of {} points lie less than {:.2f} standard uncertainties inside a limit or less than {:.2f} "
+        "outside it",
+        doubtful, result.points - result.outliers, kGuardFactor, result.rejection_factor);
   } else if (outliers_outside > 0) {
     result.reason = fmt::format("{} outliers lie outside the zone", outliers_outside);
   } else {
     result.conformity = Conformity::conforming;
-    result.reason = "all points lie inside the zone by at least the guard band";
+    result.reason =
+        fmt::format("all points lie inside the zone by at least {:.2f} standard uncertainties", kGuardFactor);
   }
 }
 
@@ -64,6 +78,11 @@ std::string to_string(Conformity conformity) {
   return "";
 }
 
+double rejection_guard_factor(std::size_t points) {
+  if (points == 0) return kNoValue;
+  return inverse_normal(std::pow(0.95, 1.0 / static_cast<double>(points)));
+}
+
 ProfileResult evaluate_profile(const ProfileCallout& callout, const Part& part, const Deviations& deviations,
                                std::span<const double> uncertainty_mm) {
   callout.tolerance.validate();
@@ -72,6 +91,7 @@ ProfileResult evaluate_profile(const ProfileCallout& callout, const Part& part, 
 
   ProfileResult result;
   result.callout = callout;
+  result.rejection_factor = rejection_guard_factor(points_that_count(callout, deviations));
   std::vector<double> on_surfaces_mm;
   std::vector<bool> left_out;
   std::size_t bad = 0, doubtful = 0, outliers_outside = 0;
@@ -80,24 +100,27 @@ ProfileResult evaluate_profile(const ProfileCallout& callout, const Part& part, 
     if (!is_on(callout, deviations.surface[i])) continue;
     ++result.points;
     const double outside_mm = excess_mm(tolerance, deviations.signed_mm[i]);
-    const double guard_mm = kGuardFactor * uncertainty_mm[i];
+    const double acceptance_mm = kGuardFactor * uncertainty_mm[i];
+    const double rejection_mm = result.rejection_factor * uncertainty_mm[i];
     on_surfaces_mm.push_back(deviations.signed_mm[i]);
     left_out.push_back(deviations.outliers.is_outlier[i]);
     if (left_out.back()) {
       ++result.outliers;
-      outliers_outside += outside_mm > -guard_mm;
+      outliers_outside += outside_mm > -acceptance_mm;
       continue;
     }
-    bad += outside_mm > guard_mm;
-    doubtful += outside_mm > -guard_mm && outside_mm <= guard_mm;
-    if (outside_mm > worst.excess_mm) worst = {outside_mm, guard_mm};
+    bad += outside_mm > rejection_mm;
+    doubtful += outside_mm > -acceptance_mm && outside_mm <= rejection_mm;
+    if (outside_mm > worst.excess_mm) worst = {outside_mm, uncertainty_mm[i]};
   }
   const DeviationStatistics statistics = statistics_of(on_surfaces_mm, left_out);
   result.min_mm = statistics.min_mm;
   result.max_mm = statistics.max_mm;
   result.counts = count_against(on_surfaces_mm, left_out, tolerance);
   if (result.points > result.outliers) {
-    result.guard_mm = worst.guard_mm;
+    result.guard_mm = kGuardFactor * worst.uncertainty_mm;
+    result.rejection_guard_mm = result.rejection_factor * worst.uncertainty_mm;
+    result.uncertainty_mm = 2.0 * worst.uncertainty_mm;
     result.profile_mm = 2.0 * worst.excess_mm + (tolerance.upper_mm - tolerance.lower_mm);
   }
   decide(result, bad, doubtful, outliers_outside);

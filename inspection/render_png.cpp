@@ -189,10 +189,11 @@ void draw_facts(Canvas& canvas, double left, double right, double top, const Vie
       {"Maximum", length(s.max_mm, true)},
       {"Mean", length(s.mean_mm, true)},
       {"Standard deviation", length(s.standard_deviation_mm, false)},
-      {"RMS before", length(view.initial_rms_mm, false)},
       {"Points", fmt::format("{}", s.points)},
       {"seen from here", fmt::format("{}", visible)},
       {"Outliers (black)", fmt::format("{}", s.left_out)}};
+  if (std::isfinite(view.initial_rms_mm))
+    facts.insert(facts.begin() + 5, {"RMS before", length(view.initial_rms_mm, false)});
   if (tolerance) {
     facts.insert(facts.begin(),
                  {"Tolerance", fmt::format("{:+g} / {:+g} mm", tolerance->upper_mm, tolerance->lower_mm)});

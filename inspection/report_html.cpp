@@ -44,7 +44,9 @@ Json cloud_json(const ReportCloud& cloud) {
           {"deviation", base64_of(cloud.deviation_mm)},
           {"snr", base64_of(cloud.snr)},
           {"surface", base64_of(cloud.surface)},
-          {"outlier", base64_of(cloud.outlier)}};
+          {"outlier", base64_of(cloud.outlier)},
+          {"deviation_together", base64_of(cloud.deviation_together)},
+          {"outlier_together", base64_of(cloud.outlier_together)}};
 }
 
 Json part_json(const FacetModel& model) {

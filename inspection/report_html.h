@@ -11,7 +11,8 @@
 
 namespace trueblade {
 
-// The measured points of one view with their deviations; one entry per point in every vector but position_mm.
+// The measured points of one view with their deviations; one entry per point in
+// every vector but position_mm.
 struct ReportCloud {
   std::string view;
   Viewpoint viewpoint;             // from where the view is shown first
@@ -20,6 +21,8 @@ struct ReportCloud {
   std::vector<float> snr;  // NaN when the scan has none
   std::vector<std::uint32_t> surface;
   std::vector<std::uint8_t> outlier;
+  std::vector<float> deviation_together;  // at the pose of all views together; both empty without one
+  std::vector<std::uint8_t> outlier_together;
 };
 
 struct Report {

@@ -60,6 +60,7 @@ struct SurfaceStatistics {
   std::string name;
   DeviationStatistics statistics;
   std::optional<ToleranceCounts> tolerance;  // against RunFacts::tolerance, without report outliers
+  DeviationStatistics from_facets;           // the same points, against the facet model
 };
 
 struct ViewResult {
@@ -68,7 +69,7 @@ struct ViewResult {
   std::size_t planned = 0;  // samples asked for; those without a usable distance are no points
   std::size_t out_of_range = 0;
   std::size_t missed = 0;
-  std::size_t low_signal = 0;
+  std::size_t low_signal = 0;        // of the points
   std::string failure;               // why the view was not registered at all; all that follows is then empty
   double initial_rms_mm = kNoValue;  // distance of all points from the facets at the pose of the set-up
   RegistrationResult registration;

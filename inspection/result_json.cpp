@@ -39,9 +39,6 @@ Json run_json(const RunFacts& run) {
 
 Json view_json(const RunFacts& run, const ViewResult& view) {
   const RegistrationResult& r = view.registration;
-  Json undetermined = Json::array();
-  for (const UndeterminedDirection& direction : r.undetermined) undetermined.push_back(direction.words);
-
   const bool registered = view.failure.empty();
   Json json = {{"view", view.view},
                {"failure", registered ? Json(nullptr) : Json(view.failure)},
@@ -60,10 +57,11 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                {"pose", pose_json(r.part_from_mcs)},
                {"pose_covariance", covariance_json(r.covariance)},
                {"pose_covariance_pivot_mm", vector_json(r.centroid_part_mm)},
-               {"undetermined", undetermined},
+               {"undetermined", undetermined_json(r)},
                {"iterations", r.iterations},
                {"termination", registered ? to_string(r.termination) : "not registered"},
                {"converged", registered && is_converged(r.termination)},
+               {"shows_misfit", r.shows_misfit},
                {"inliers", r.inliers},
                {"outliers", r.outliers},
                {"initial_rms_mm", number_json(view.initial_rms_mm)},
@@ -78,6 +76,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
                 {{"scan", number_json(view.time.scan_s)},
                  {"register", number_json(view.time.register_s)},
                  {"evaluate", number_json(view.time.evaluate_s)}}}};
+  json.update(registration_work_json(r));
   json["cross_check"] = r.cross_check ? cross_check_json(*r.cross_check) : Json(nullptr);
   json["truth"] = view.truth
                       ? Json{{"pose", pose_json(view.truth->true_part_from_mcs)},
@@ -90,6 +89,7 @@ Json view_json(const RunFacts& run, const ViewResult& view) {
   for (const SurfaceStatistics& surface : view.surfaces) {
     Json entry = {{"surface", surface.surface}, {"name", surface.name}};
     entry.update(statistics_json(surface.statistics));
+    entry["deviations_from_facets"] = statistics_json(surface.from_facets);
     entry["tolerance"] = surface.tolerance ? counts_json(*surface.tolerance) : Json(nullptr);
     json["per_surface"].push_back(entry);
   }

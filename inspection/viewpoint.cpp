@@ -39,6 +39,18 @@ Viewpoint oblique_viewpoint(const std::string& name, const Viewpoint& base) {
   return {name, raised, up};
 }
 
+std::vector<Viewpoint> fixed_viewpoints() {
+  std::vector<Viewpoint> viewpoints;
+  for (int axis = 0; axis < 3; ++axis)
+    for (const bool plus : {true, false}) {
+      const Vec3 to_camera = (plus ? 1.0 : -1.0) * Vec3::Unit(axis);
+      viewpoints.push_back({std::string("from_") + (plus ? "plus_" : "minus_") + "xyz"[axis], to_camera,
+                            axis == 2 ? Vec3::UnitY() : Vec3::UnitZ()});
+    }
+  viewpoints.push_back(oblique_viewpoint("oblique", Viewpoint{}));
+  return viewpoints;
+}
+
 Ray Camera::ray(double x_px, double y_px) const {
   const double x_mm = (x_px - 0.5 * width_px) * mm_per_pixel;
   const double y_mm = (0.5 * height_px - y_px) * mm_per_pixel;

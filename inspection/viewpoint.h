@@ -3,6 +3,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "geometry/ray_caster.h"
 #include "geometry/rigid_transform.h"
@@ -28,6 +29,10 @@ Viewpoint viewpoint_of_view(const std::string& name, const MachineGeometry& geom
 
 // From obliquely above, turned by 35 degrees about the up direction from `base` and raised by 25 degrees.
 Viewpoint oblique_viewpoint(const std::string& name, const Viewpoint& base);
+
+// Along the axes of the part frame, from either side (z up; y up where the camera looks along z), and
+// obliquely from between -x, +y and +z. Named from_plus_x ... from_minus_z, oblique.
+std::vector<Viewpoint> fixed_viewpoints();
 
 struct Camera {
   Vec3 centre_mm;             // of the picture, on a plane in front of everything in the box

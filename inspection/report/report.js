@@ -49,12 +49,27 @@ const escaped = text => element('span', {}, text).innerHTML;
 
 // ---- data ------------------------------------------------------------------------------------------------------------
 
-const clouds = data.clouds.map(cloud => ({
-  view: cloud.view, toCamera: cloud.to_camera, up: cloud.up,
-  position: new Float32Array(bytes(cloud.position)), deviation: new Float32Array(bytes(cloud.deviation)),
-  surface: new Uint32Array(bytes(cloud.surface)), snr: new Float32Array(bytes(cloud.snr)),
-  outlier: new Uint8Array(bytes(cloud.outlier)), visible: true
-}));
+function matrixOf(pose) {
+  const [w, x, y, z] = pose.rotation_wxyz;
+  return new THREE.Matrix4().compose(new THREE.Vector3(...pose.translation_mm), new THREE.Quaternion(x, y, z, w), new THREE.Vector3(1, 1, 1));
+}
+// What a view's points are at the pose of all views together: the rigid motion from its own pose to that.
+function atJointPose(cloud, position) {
+  if (!cloud.deviation_together || !result.joint) return null;
+  const view = result.views.find(v => v.view === cloud.view);
+  const motion = matrixOf(result.joint.pose).multiply(new THREE.Matrix4().getInverse(matrixOf(view.pose)));
+  const moved = new Float32Array(position.length), at = new THREE.Vector3();
+  for (let i = 0; i < position.length; i += 3) at.fromArray(position, i).applyMatrix4(motion).toArray(moved, i);
+  return {position: moved, deviation: new Float32Array(bytes(cloud.deviation_together)), outlier: new Uint8Array(bytes(cloud.outlier_together))};
+}
+const clouds = data.clouds.map(cloud => {
+  const alone = {position: new Float32Array(bytes(cloud.position)), deviation: new Float32Array(bytes(cloud.deviation)), outlier: new Uint8Array(bytes(cloud.outlier))};
+  return Object.assign({
+    view: cloud.view, toCamera: cloud.to_camera, up: cloud.up, surface: new Uint32Array(bytes(cloud.surface)),
+    snr: new Float32Array(bytes(cloud.snr)), visible: true, poses: {alone, together: atJointPose(cloud, alone.position)}
+  }, alone);
+});
+const hasJointPose = clouds.length > 0 && clouds.every(cloud => cloud.poses.together);
 const part = data.part && {
   nodes: new Float32Array(bytes(data.part.nodes)), facets: new Uint32Array(bytes(data.part.facets)),
   surface: new Uint32Array(bytes(data.part.surface))
@@ -175,6 +190,15 @@ function addCloud(cloud) {
   cloud.points = new THREE.Points(geometry, pointMaterial());
   cloud.points.frustumCulled = false;
   scene.world.add(cloud.points);
+}
+
+function choosePose(name) {
+  for (const cloud of clouds) {
+    Object.assign(cloud, cloud.poses[name]);
+    if (cloud.points) cloud.points.geometry.setAttribute('position', new THREE.BufferAttribute(cloud.position, 3));
+  }
+  if (scene.marker) scene.marker.visible = false;
+  byId('picked').replaceChildren(element('span', {class: 'quiet'}, 'Click a point to see its values.'));
 }
 
 // Corners of every facet by itself, with the normal averaged over the facets of the same CAD surface; where
@@ -425,23 +449,23 @@ const countCells = t => !tolerance ? [] : t ? [percent(t.percent_within), percen
 
 function viewTable() {
   const headings = ['View', '', 'Before RMS', ...statisticsHeadings, ...countHeadings];
-  const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? {text: 'converged', kind: 'good'} : {text: v.termination, kind: 'bad'},
+  const rows = result.views.map(v => [v.view, v.failure ? {text: 'failed', kind: 'bad'} : v.converged ? (v.shows_misfit ? {text: 'converged, misfit', kind: 'doubt'} : {text: 'converged', kind: 'good'}) : {text: v.termination, kind: 'bad'},
     mm(v.initial_rms_mm), ...statisticsCells(v.deviations), ...countCells(v.tolerance)]);
   byId('view-table').append(table(headings, rows, 2));
   // Points that came from elsewhere were planned by nobody.
   if (!result.views.some(v => v.samples.planned)) return;
-  byId('view-table').append(table(['Samples of view', 'Planned', 'Out of range', 'Missed', 'Low signal', 'Points', 'Rejected by registration', 'RMS from facets'],
-    result.views.map(v => [v.view, v.samples.planned, v.samples.out_of_range, v.samples.missed, v.samples.low_signal, v.samples.points, v.samples.left_out_by_registration, mm(v.deviations_from_facets.rms_mm)]), 1));
+  byId('view-table').append(table(['Samples of view', 'Planned', 'Out of range', 'Missed', 'Points', 'of these, low signal', 'Rejected by registration', 'RMS from facets'],
+    result.views.map(v => [v.view, v.samples.planned, v.samples.out_of_range, v.samples.missed, v.samples.points, v.samples.low_signal, v.samples.left_out_by_registration, mm(v.deviations_from_facets.rms_mm)]), 1));
 }
 
 function surfaceTable() {
   const rows = [], ids = [];
   for (const view of result.views) for (const s of view.per_surface) {
-    rows.push([view.view, s.surface, s.name, ...statisticsCells(s), ...countCells(s.tolerance)]);
+    rows.push([view.view, s.surface, s.name, ...statisticsCells(s), ...countCells(s.tolerance), mm((s.deviations_from_facets || {}).rms_mm)]);
     ids.push(s.surface);
   }
   const choose = r => ({class: 'pick', 'data-surface': ids[r], on: {click: () => { state.surface = state.surface === ids[r] ? -1 : ids[r]; byId('surface').value = state.surface; markSurface(); update(); }}});
-  byId('surface-table').append(table(['View', 'Id', 'Surface', ...statisticsHeadings, ...countHeadings], rows, 3, choose));
+  byId('surface-table').append(table(['View', 'Id', 'Surface', ...statisticsHeadings, ...countHeadings, 'RMS from facets'], rows, 3, choose));
   [...new Set(ids)].sort((a, b) => a - b).forEach(id => byId('surface').append(element('option', {value: id}, `${id} ${data.surfaces[id] || ''}`)));
 }
 function markSurface() {
@@ -450,9 +474,9 @@ function markSurface() {
 
 function profileTable() {
   if (!result.profiles.length) { byId('profile-section').remove(); return; }
-  byId('profiles').append(table(['Profile', 'Decision', 'Why', 'Lower', 'Upper', 'Points', 'Outliers', 'Min', 'Max', 'Profile', 'Guard band', 'Within', 'Over', 'Under'],
-    result.profiles.map(p => [p.name, {text: p.conformity, kind: kConformity[p.conformity]}, p.reason, mm(p.tolerance_mm[0], 3), mm(p.tolerance_mm[1], 3), p.points, p.outliers,
-      mm(p.min_mm), mm(p.max_mm), mm(p.profile_mm), mm(p.guard_mm), percent(p.counts.percent_within), percent(p.counts.percent_over), percent(p.counts.percent_under)]), 3));
+  byId('profiles').append(table(['Profile', 'Decision', {text: 'Why', kind: 'why'}, 'Lower', 'Upper', 'Points', 'Outliers', 'Min', 'Max', 'Profile', 'Guard band to accept', 'to reject', 'Within', 'Over', 'Under'],
+    result.profiles.map(p => [p.name, {text: p.conformity, kind: kConformity[p.conformity]}, {text: p.reason, kind: 'why'}, mm(p.tolerance_mm[0], 3), mm(p.tolerance_mm[1], 3), p.points, p.outliers,
+      mm(p.min_mm), mm(p.max_mm), mm(p.profile_mm), mm(p.guard_mm), mm(p.rejection_guard_mm), percent(p.counts.percent_within), percent(p.counts.percent_over), percent(p.counts.percent_under)]), 3));
 }
 
 const kComponents = ['rotation_x_rad', 'rotation_y_rad', 'rotation_z_rad', 'translation_x_mm', 'translation_y_mm', 'translation_z_mm'];
@@ -488,26 +512,49 @@ function offsetTable() {
     element('p', {class: 'quiet'}, 'Rigid displacement of the group in the part frame, about the centroid of its points, seen from the first group\u2019s fit. Value \u00b1 expanded uncertainty (k = 2). Red: more than three standard uncertainties, a defect of the part and no misfit of the whole.'));
 }
 
+function factsUnder(title) {
+  const facts = element('div', {class: 'facts'});
+  byId('registration').append(element('h3', {}, title), facts);
+  return (name, value) => facts.append(element('div', {}, element('span', {}, name), element('span', {}, value)));
+}
+// What the registration of a view and that of all views have in common.
+function addRegistration(add, v) {
+  add('termination', v.termination);
+  add('iterations', String(v.iterations));
+  if (v.shows_misfit) add('fit', 'neighbouring residuals agree: form errors of the size of the RMS, another part, or a wrong pose');
+  add('inliers / rejected', `${v.inliers} / ${v.outliers}`);
+  if (v.closest_points) {
+    add('\u03c3 of a distance behind the covariance', `${short(1000 * v.sigma_mm)} \u00b5m, ${v.sigma_estimated ? 'from the residuals' : 'given'}`);
+    add('closest points: searched / from cache / facets tested', `${v.closest_points.queries} / ${v.closest_points.cache_hits} / ${v.closest_points.facets_tested}`);
+  }
+  const u = v.pose_covariance.map((row, k) => Math.sqrt(Math.max(row[k], 0)));
+  add('pose uncertainty (k = 1), rotation x y z', u.slice(0, 3).map(x => short(1000 * x)).join(', ') + ' mrad');
+  add('pose uncertainty (k = 1), translation x y z at the scan\u2019s centroid', u.slice(3).map(x => short(1000 * x)).join(', ') + ' \u00b5m');
+  if (v.undetermined) add('not determined by the scan', v.undetermined.length ? v.undetermined.join('; ') : 'nothing');
+  add('pose, rotation w x y z', v.pose.rotation_wxyz.map(x => x.toFixed(8)).join(', '));
+  add('pose, translation', v.pose.translation_mm.map(x => mm(x)).join(', ') + ' mm');
+}
+const surfaceNames = ids => ids.length ? ids.map(id => data.surfaces[id] || String(id)).join(', ') : 'none: best fit on all that was measured';
+
 function registrationFacts() {
   for (const v of result.views) {
-    const facts = element('div', {class: 'facts'});
-    const add = (name, value) => facts.append(element('div', {}, element('span', {}, name), element('span', {}, value)));
-    byId('registration').append(element('h3', {}, `View ${v.view}`), facts);
+    const add = factsUnder(`View ${v.view}`);
     if (v.failure) { add('failed', v.failure); continue; }
-    add('termination', v.termination);
-    add('iterations', String(v.iterations));
+    addRegistration(add, v);
     add('RMS before / after (weighted)', `${mm(v.initial_rms_mm)} / ${mm(v.weighted_rms_mm)} mm`);
-    add('inliers / rejected', `${v.inliers} / ${v.outliers}`);
-    const u = v.pose_covariance.map((row, k) => Math.sqrt(Math.max(row[k], 0)));
-    add('pose uncertainty (k = 1), rotation x y z', u.slice(0, 3).map(x => short(1000 * x)).join(', ') + ' mrad');
-    add('pose uncertainty (k = 1), translation x y z at the scan\u2019s centroid', u.slice(3).map(x => short(1000 * x)).join(', ') + ' \u00b5m');
-    add('not determined by the scan', v.undetermined.length ? v.undetermined.join('; ') : 'nothing');
     add('cross-check', v.cross_check ? (v.cross_check.agrees ? 'agrees: ' : 'DISAGREES: ') + v.cross_check.summary : 'not asked for');
     if (v.truth) add('error of the pose at the scan\u2019s centroid (simulation)', `${short(1000 * v.truth.translation_error_mm)} \u00b5m, ${short(1000 * v.truth.rotation_error_rad)} mrad`);
-    add('pose, rotation w x y z', v.pose.rotation_wxyz.map(x => x.toFixed(8)).join(', '));
-    add('pose, translation', v.pose.translation_mm.map(x => mm(x)).join(', ') + ' mm');
     add('time: scan / register / evaluate', [v.time_s.scan, v.time_s.register, v.time_s.evaluate].map(short).join(' / ') + ' s');
   }
+  const datum = result.datum_surfaces;
+  if (!result.joint) {
+    if (datum && datum.length) factsUnder('Datum')('surfaces', surfaceNames(datum));
+    return;
+  }
+  const add = factsUnder('All views together');
+  addRegistration(add, result.joint);
+  add('RMS of all points', mm(result.joint.deviations.rms_mm) + ' mm');
+  if (datum) add('datum surfaces', surfaceNames(datum));
 }
 
 function provenance() {
@@ -530,19 +577,38 @@ function summary() {
     if (v.failure) return [`${v.view}: failed`, 'bad'];
     if (!v.converged) return [`${v.view}: ${v.termination}`, 'bad'];
     const rms = `${v.view}: RMS ${mm(v.rms_mm)} mm`, t = v.tolerance;
-    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance`, 'bad'];
-    if (t && t.outliers_outside) return [`${rms}, outliers out of tolerance: ${t.outliers_outside}`, 'doubt'];
+    const misfit = v.shows_misfit ? ', does not fit everywhere' : '';
+    if (t && t.over + t.under) return [`${rms}, ${t.over + t.under} out of tolerance${misfit}`, 'bad'];
+    if (t && t.outliers_outside) return [`${rms}, outliers out of tolerance: ${t.outliers_outside}${misfit}`, 'doubt'];
+    if (misfit) return [rms + misfit, 'doubt'];
     return [rms, 'good'];
   };
   for (const v of result.views) chip(...verdict(v));
   for (const p of result.profiles) chip(`${p.name}: ${p.conformity}`, kConformity[p.conformity]);
   const missing = [...result.views.filter(v => v.failure).map(v => `view ${v.view}: ${v.failure}`), ...result.missing, ...data.missing];
   if (missing.length) byId('missing').append(element('h3', {class: 'bad'}, 'Missing from this report'), element('ul', {}, ...missing.map(m => element('li', {}, m))));
+  const features = result.missing_features || [];
+  if (features.length) byId('missing').append(element('h3', {class: 'doubt'}, 'Features without a number'), element('ul', {}, ...features.map(m => element('li', {}, m))));
 }
 
 // ---- sections ----------------------------------------------------------------------------------------------------------------
 
 const kFeatureUnits = f => f.unit === 'rad' ? {factor: 180 / Math.PI, unit: '\u00b0'} : {factor: 1, unit: 'mm'};
+
+// The tolerance at every outline point: that of the profile that covers the surface, else that of all deviations.
+function zonesAlong(section) {
+  const zones = new Array(section.outline_x_y_normal_deviation.length).fill(tolerance);
+  for (const stretch of section.profile_stretches || []) {
+    const profile = result.profiles.find(p => p.name === stretch.profile);
+    if (profile) zones.fill(profile.tolerance_mm, stretch.first, stretch.last + 1);
+  }
+  return zones;
+}
+const toleranceInWords = section => {
+  const profiles = [...new Set((section.profile_stretches || []).map(s => s.profile))];
+  if (profiles.length) return ` dashed: tolerance of the profile ${profiles.join(', ')}.`;
+  return tolerance ? ' dashed: tolerance.' : '';
+};
 
 function sectionPlot(section, factor) {
   const outline = section.outline_x_y_normal_deviation, points = section.points_x_y_deviation;
@@ -551,7 +617,18 @@ function sectionPlot(section, factor) {
   const scale = 560 / (right - left), X = x => ((x - left) * scale).toFixed(2), Y = y => ((high - y) * scale).toFixed(2);
   const svg = drawing('svg', {viewBox: `0 0 560 ${((high - low) * scale).toFixed(0)}`, width: '100%', role: 'img'});
   const path = offset => outline.map((o, i) => (i ? 'L' : 'M') + X(o[0] + offset(o) * o[2]) + ' ' + Y(o[1] + offset(o) * o[3])).join('') + 'Z';
-  if (tolerance) for (const limit of tolerance) svg.append(drawing('path', {d: path(() => factor * limit), fill: 'none', stroke: '#9aa4b1', 'stroke-dasharray': '4 3', 'stroke-width': 0.8}));
+  // Broken where `offset` of an outline point is null.
+  const open = offset => {
+    let line = '', broken = true;
+    outline.concat([outline[0]]).forEach((o, i) => {
+      const d = offset(i % outline.length);
+      if (d !== null) line += (broken ? 'M' : 'L') + X(o[0] + factor * d * o[2]) + ' ' + Y(o[1] + factor * d * o[3]);
+      broken = d === null;
+    });
+    return line;
+  };
+  const zones = zonesAlong(section);
+  for (const side of [0, 1]) svg.append(drawing('path', {d: open(i => zones[i] && zones[i][side]), fill: 'none', stroke: '#9aa4b1', 'stroke-dasharray': '4 3', 'stroke-width': 0.8}));
   svg.append(drawing('path', {d: path(() => 0), fill: '#eef1f5', stroke: '#333', 'stroke-width': 1}));
   const nearest = p => { let best = 0, least = Infinity; outline.forEach((o, i) => { const s = (o[0] - p[0]) ** 2 + (o[1] - p[1]) ** 2; if (s < least) { least = s; best = i; } }); return outline[best]; };
   const stride = Math.max(1, Math.ceil(points.length / 900));
@@ -559,9 +636,7 @@ function sectionPlot(section, factor) {
     const p = points[i], o = nearest(p);
     svg.append(drawing('circle', {cx: X(p[0] + factor * p[2] * o[2]), cy: Y(p[1] + factor * p[2] * o[3]), r: 1.3, fill: css(scaleColour(p[2])), opacity: 0.75}));
   }
-  let run = '';
-  outline.concat([outline[0]]).forEach(o => { if (o[4] === null) { run += '|'; return; } run += (run === '' || run.endsWith('|') ? 'M' : 'L') + X(o[0] + factor * o[4] * o[2]) + ' ' + Y(o[1] + factor * o[4] * o[3]); });
-  svg.append(drawing('path', {d: run.replace(/\|/g, ''), fill: 'none', stroke: '#111', 'stroke-width': 1.6}));
+  svg.append(drawing('path', {d: open(i => outline[i][4]), fill: 'none', stroke: '#111', 'stroke-width': 1.6}));
   return svg;
 }
 
@@ -584,7 +659,7 @@ function sections() {
       });
       const feature = element('table', {}, element('thead', {}, element('tr', {}, ...['Feature', 'Unit', 'Nominal', 'Measured', 'Deviation', 'U (k = 2)', 'Method'].map((h, c) => element('th', {class: ['text', '', '', '', '', '', 'text method'][c]}, h)))),
         element('tbody', {}, ...rows));
-      return element('div', {class: 'blade'}, element('div', {}, title, sectionPlot(s, factor), element('p', {class: 'quiet'}, `${s.points} points, ${percent(s.covered_percent)} of the outline. Thin: nominal; bold: measured, exaggerated ${factor} times; dashed: tolerance.`)), feature);
+      return element('div', {class: 'blade'}, element('div', {}, title, sectionPlot(s, factor), element('p', {class: 'quiet'}, `${s.points} points, ${percent(s.covered_percent)} of the outline. Thin: nominal; bold: measured, exaggerated ${factor} times;${toleranceInWords(s)}`)), feature);
     }));
   };
   byId('factor').addEventListener('change', show);
@@ -601,6 +676,8 @@ function connectControls() {
   on('limit', e => { if (Number(e.value) > 0) state.limit = Number(e.value); });
   on('bands', e => { state.bands = e.checked; });
   on('band', e => { state.band = e.value; });
+  on('pose', e => choosePose(e.value));
+  if (!hasJointPose) byId('pose-choice').remove();
   on('outliers', e => { state.outliers = e.checked; });
   on('surface', e => { state.surface = Number(e.value); markSurface(); });
   on('size', e => { state.size = Number(e.value); }, 'input');
@@ -652,9 +729,16 @@ function selfTest() {
       scene.canvas.dispatchEvent(new PointerEvent('pointerup', place));
       found.picked = byId('picked').textContent;
     }
+    if (hasJointPose) {
+      byId('pose').value = 'together';
+      byId('pose').dispatchEvent(new Event('change'));
+      found.pose_differs = clouds.reduce((n, c) => n + c.deviation.filter((d, i) => d !== c.poses.alone.deviation[i]).length, 0);
+      // A point moves along the normal by the change of its deviation, and no farther than the views lie apart.
+      found.pose_moves_mm = Math.max(...clouds.map(c => c.position.reduce((most, x, i) => Math.max(most, Math.abs(x - c.poses.alone.position[i])), 0)));
+    }
     if (part) { state.interpolate = true; update(); draw(); const again = new Uint8Array(pixels.length); gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, again); let differ = 0; for (let i = 0; i < again.length; i += 4) if (again[i] !== pixels[i]) ++differ; found.surface_differs = differ; }
   }
   document.body.append(element('pre', {id: 'selftest'}, JSON.stringify(found)));
 }
 if (location.hash === '#selftest') selfTest();
-if (location.hash === '#surface' && part) { state.interpolate = true; byId('interpolate').checked = true; update(); }
+if (location.hash === '#coloured' && part) { state.interpolate = true; byId('interpolate').checked = true; update(); }

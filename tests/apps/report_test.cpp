@@ -79,6 +79,10 @@ TEST_F(ReportTest, OpensInARealBrowser) {
   EXPECT_GT(found["colours"].get<int>(), 20) << found;
   EXPECT_NE(found["picked"].get<std::string>().find("view front, point"), std::string::npos) << found;
   EXPECT_GT(found["surface_differs"].get<int>(), 1000) << found;
+  // Two views of one cube: nearly every deviation is another at the pose of both, none by much.
+  EXPECT_GT(found["pose_differs"].get<int>(), 500) << found;
+  EXPECT_GT(found["pose_moves_mm"].get<double>(), 0.0) << found;
+  EXPECT_LT(found["pose_moves_mm"].get<double>(), 0.02) << found;
 }
 
 TEST_F(ReportTest, IsMadeAgainFromTheFolder) {
@@ -172,6 +176,62 @@ TEST(FailedView, LeavesTheOthers) {
   EXPECT_TRUE(std::filesystem::exists(folder / "run/report.html"));
   const ChildResult regress = run_trueblade({"regress", "lost.yaml"}, folder.path());
   EXPECT_EQ(regress.exit_code, 0) << regress.out << regress.err;
+}
+
+// Every face of the cube, two facets, is a surface of its own.
+std::string cube_of_six_surfaces() {
+  std::string obj = kCubeObj;
+  std::size_t at = 0, facet = 0;
+  while ((at = obj.find("f ", at)) != std::string::npos) {
+    const std::string group = facet % 2 == 0 ? "g face" + std::to_string(facet / 2) + "\n" : "";
+    obj.insert(at, group);
+    at += group.size() + 2;
+    ++facet;
+  }
+  return obj;
+}
+
+// The first view sees the faces 1, 3 and 4, which are chosen; from behind none of them is seen.
+TEST(FailedView, MayBeOneThatSeesNothingOfTheChosenSurfaces) {
+  const CubeFolder folder;
+  const std::string views = "views: [{name: front}, {name: turned, theta_deg: 20}]";
+  std::string hidden = kCubeScenario;
+  hidden.replace(hidden.find(views), views.size(),
+                 "views: [{name: front}, {name: behind, theta_deg: 180}, {name: turned, theta_deg: 20}]\n"
+                 "  surfaces: [1, 3, 4]");
+  hidden.replace(hidden.find("cube.obj"), 8, "six.obj");
+  folder.write("six.obj", cube_of_six_surfaces());
+  folder.write("hidden.yaml", hidden + "expect: {behind: {fails: \"nothing of the chosen surfaces\"}}\n");
+  const ChildResult result = run_trueblade({"inspect", "hidden.yaml", "--out", "run"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2) << result.err;
+  const Json views_of_run = Json::parse(text_of(folder / "run/result.json"))["views"];
+  ASSERT_EQ(views_of_run.size(), 3U);
+  EXPECT_TRUE(views_of_run[0]["failure"].is_null());
+  EXPECT_NE(views_of_run[1]["failure"].get<std::string>().find("nothing of the chosen"), std::string::npos);
+  EXPECT_EQ(views_of_run[1]["samples"]["planned"], 0);
+  EXPECT_TRUE(views_of_run[2]["failure"].is_null());
+  EXPECT_EQ(run_trueblade({"regress", "hidden.yaml"}, folder.path()).exit_code, 0);
+  const ChildResult planned = run_trueblade({"plan", "hidden.yaml", "--out", "plan"}, folder.path());
+  EXPECT_EQ(planned.exit_code, 0);
+  EXPECT_NE(planned.err.find("view behind: nothing of the chosen"), std::string::npos) << planned.err;
+
+  hidden.replace(hidden.find("{name: front}, "), 15, "");
+  hidden.replace(hidden.find(", {name: turned, theta_deg: 20}"), 31, ", {name: beside, theta_deg: 190}");
+  folder.write("blind.yaml", hidden);
+  const ChildResult blind = run_trueblade({"inspect", "blind.yaml", "--out", "none"}, folder.path());
+  EXPECT_EQ(blind.exit_code, 2);
+  EXPECT_NE(blind.err.find("view beside: nothing of the chosen"), std::string::npos) << blind.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "none"));
+}
+
+TEST(Datum, SurfacesThatThePartHasNotAreNoticedBeforeTheScan) {
+  const CubeFolder folder;
+  folder.write("datum.yaml", std::string(kCubeScenario) + "inspection: {datum_surfaces: [shroud*]}\n");
+  const ChildResult result = run_trueblade({"inspect", "datum.yaml", "--out", "run"}, folder.path());
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("datum_surfaces: surface \"shroud*\" does not exist"), std::string::npos)
+      << result.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
 }
 
 // A range of 2 mm and a fixture that moves between the views: with seed 6 the first view is 0.4 mm off, the

@@ -129,7 +129,7 @@ TEST(PlanView, TheBackOfAPlateCannotBeSeen) {
   const RayCaster caster(part.model);
   PlanOptions options;
   options.theta_rad = kPi;
-  EXPECT_THROW(plan_view({}, standard_lens("25mm"), part, caster, {}, options), InputError);
+  EXPECT_THROW(plan_view({}, standard_lens("25mm"), part, caster, {}, options), NothingToMeasure);
 }
 
 TEST(PlanView, ABeamAlongTheRotaryAxisStillHasARaster) {

@@ -35,6 +35,29 @@ Value take(const std::string& bytes, std::size_t& at) {
   return value;
 }
 
+TEST(DeviationPly, HoldsTheDeviationsOfAllViewsTogether) {
+  const TemporaryFolder folder;
+  Deviations all = three_points();
+  all.signed_mm = {9.0, 0.125, 0.75, 0.5};  // the first point is another view's
+  all.outliers.is_outlier = {false, false, true, false};
+  write_deviation_ply(folder / "d.ply", three_points(), "front", example_result().run, {&all, 1});
+  const std::string bytes = bytes_of(folder / "d.ply");
+  const std::string end =
+      "property uchar outlier\nproperty float scalar_deviation_together\nproperty uchar outlier_together\n"
+      "end_header\n";
+  std::size_t at = bytes.find(end);
+  ASSERT_NE(at, std::string::npos);
+  at += end.size();
+  constexpr std::size_t kAlone = 3 * 8 + 2 * 4 + 3 + 4 + 1;
+  ASSERT_EQ(bytes.size(), at + 3 * (kAlone + 4 + 1));
+  const float deviations[] = {0.125F, 0.75F, 0.5F};
+  for (int i = 0; i < 3; ++i) {
+    at += kAlone;
+    EXPECT_EQ(take<float>(bytes, at), deviations[i]);
+    EXPECT_EQ(take<std::uint8_t>(bytes, at), i == 1);
+  }
+}
+
 TEST(DeviationPly, ReadsBackByteByByte) {
   const TemporaryFolder folder;
   const Deviations d = three_points();

@@ -34,7 +34,7 @@ inline InspectionResult example_result() {
   view.initial_rms_mm = 0.222;
   r.weighted_rms_mm = 0.00091;
   view.statistics = {1500, 7, -0.004, 0.0041, 0.0001, 0.001, 0.00099, 0.0008, -0.0007};
-  view.surfaces = {{4, "airfoil", view.statistics, std::nullopt}};
+  view.surfaces = {{4, "airfoil", view.statistics, std::nullopt, view.statistics}};
   view.time = {12.5, 0.02, 0.01};
   view.truth = PoseError{{Eigen::Quaterniond(0.5, 0.5, -0.5, 0.5), {1.0, -2.0, 3.0}}, 1e-4, 2e-6};
   result.views.push_back(view);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "geometry/error.h"
+#include "geometry/random.h"
 #include "inspection/deviation_uncertainty.h"
 #include "inspection/surface_statistics.h"
 #include "tests/inspection/fixtures.h"
@@ -64,14 +65,51 @@ class Profile : public ::testing::Test {
 };
 
 TEST_F(Profile, DecidesByTheGuardBand) {
-  const double u = 0.01;  // guard band 0.0165
+  // Guard bands 0.0165 to accept, and for two points to reject: Phi^-1(sqrt(0.95)) = 1.9545, 0.019545.
+  const double u = 0.01;
   EXPECT_EQ(evaluate({0.03, -0.03}, u).conformity, Conformity::conforming);
   EXPECT_EQ(evaluate({0.034, -0.03}, u).conformity, Conformity::cannot_tell);
   EXPECT_EQ(evaluate({0.06, 0.0}, u).conformity, Conformity::cannot_tell);
-  EXPECT_EQ(evaluate({0.067, 0.0}, u).conformity, Conformity::not_conforming);
-  EXPECT_EQ(evaluate({-0.067, 0.034}, u).conformity, Conformity::not_conforming);
+  EXPECT_EQ(evaluate({0.0695, 0.0}, u).conformity, Conformity::cannot_tell);
+  EXPECT_EQ(evaluate({0.0696, 0.0}, u).conformity, Conformity::not_conforming);
+  EXPECT_EQ(evaluate({-0.0696, 0.034}, u).conformity, Conformity::not_conforming);
   EXPECT_EQ(evaluate({0.05, -0.05}, 0.0).conformity, Conformity::conforming);
   EXPECT_EQ(evaluate({0.0500001, 0.0}, 0.0).conformity, Conformity::not_conforming);
+}
+
+// Phi(z)^n = 0.95, by the complementary error function.
+TEST_F(Profile, TheGuardBandToRejectKnowsTheNumberOfPoints) {
+  for (const std::size_t n : {1U, 2U, 1936U, 1000000U}) {
+    const double z = rejection_guard_factor(n);
+    const double beyond = 0.5 * std::erfc(z / std::sqrt(2.0));
+    EXPECT_NEAR(std::exp(static_cast<double>(n) * std::log1p(-beyond)), 0.95, 1e-9) << n;
+  }
+  EXPECT_NEAR(rejection_guard_factor(1936), 4.0, 0.05);
+  EXPECT_TRUE(std::isnan(rejection_guard_factor(0)));
+  const ProfileResult result = evaluate({0.01, 0.0, 0.0}, 0.001);
+  EXPECT_EQ(result.rejection_factor, rejection_guard_factor(3));
+  EXPECT_DOUBLE_EQ(result.rejection_guard_mm, 0.001 * result.rejection_factor);
+}
+
+// A flat patch exactly on the limit: noise alone condemns it in 5 % of the measurements, 5 +- 2.2 of 100;
+// more than 13 have a probability of 0.05 %. A patch of 20 points beyond the limit by 8 u is found every
+// time, and the one on the limit is accepted never.
+TEST_F(Profile, NoiseSeldomCondemnsAPerfectSurface) {
+  constexpr std::size_t kPoints = 5000;
+  constexpr double kNoise_mm = 0.003;
+  int condemned = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Rng random(seed, 0, "noise");
+    std::vector<double> signed_mm(kPoints);
+    for (double& d : signed_mm) d = 0.05 + kNoise_mm * random.normal();
+    const Conformity on_the_limit = evaluate(signed_mm, kNoise_mm).conformity;
+    EXPECT_NE(on_the_limit, Conformity::conforming);
+    condemned += on_the_limit == Conformity::not_conforming;
+    for (std::size_t i = 0; i < 20; ++i) signed_mm[i] += 8.0 * kNoise_mm;
+    EXPECT_EQ(evaluate(signed_mm, kNoise_mm).conformity, Conformity::not_conforming) << seed;
+  }
+  EXPECT_LE(condemned, 13);
+  EXPECT_GE(condemned, 1);  // none has a probability of 0.6 %: the band is not wider than it need be
 }
 
 TEST_F(Profile, ValueIsTwiceTheLargestDistanceFromTheMiddle) {
@@ -80,6 +118,7 @@ TEST_F(Profile, ValueIsTwiceTheLargestDistanceFromTheMiddle) {
   EXPECT_EQ(equal.min_mm, -0.04);
   EXPECT_EQ(equal.max_mm, 0.02);
   EXPECT_NEAR(equal.guard_mm, 0.00165, 1e-15);
+  EXPECT_NEAR(equal.uncertainty_mm, 0.002, 1e-15);
   // Zone -0.02 to 0.08, middle 0.03: the point at -0.04 is 0.07 off.
   EXPECT_NEAR(evaluate({0.02, -0.04, 0.01}, 0.001, {-0.02, 0.08}).profile_mm, 0.14, 1e-15);
 }

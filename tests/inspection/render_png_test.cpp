@@ -47,6 +47,19 @@ Picture decode(const std::filesystem::path& file) {
   return picture;
 }
 
+TEST(Viewpoint, FixedOnesLookAlongTheAxesAndObliquely) {
+  const std::vector<Viewpoint> fixed = fixed_viewpoints();
+  ASSERT_EQ(fixed.size(), 7U);
+  EXPECT_EQ(fixed[3].name, "from_minus_y");
+  EXPECT_EQ(fixed[3].to_camera, Vec3(0, -1, 0));
+  EXPECT_EQ(fixed[4].up, Vec3(0, 1, 0));
+  // Turned by 35 and raised by 25 degrees from +y.
+  const double turned = 35.0 * std::numbers::pi / 180.0, raised = 25.0 * std::numbers::pi / 180.0;
+  const Vec3 oblique(-std::cos(raised) * std::sin(turned), std::cos(raised) * std::cos(turned),
+                     std::sin(raised));
+  EXPECT_NEAR((fixed[6].to_camera - oblique).norm(), 0.0, 1e-15);
+}
+
 TEST(Viewpoint, AsTheProbeLooksAgainstTheBeam) {
   // The beam goes along -y of the MCS, the part is turned by 90 degrees about z: +y becomes -x.
   const RigidTransform part_from_mcs{rotation_from_vector({0.0, 0.0, std::numbers::pi / 2.0}), {7, 8, 9}};
