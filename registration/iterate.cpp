@@ -17,6 +17,9 @@ constexpr int kHalvings = 10;  // a step a thousand times shorter than Gauss-New
 constexpr double kScaleChange = 0.05;
 constexpr int kStepsWithNewScale = 20;  // most registrations end before
 
+// Of the pose's own standard uncertainty: near the minimum for what comes next.
+constexpr double kInsignificant = 0.3;
+
 // A step that takes back more than this share of the last one went too far: each is then at least half as
 // long as the one before.
 constexpr double kTakenBack = 0.5;
@@ -92,7 +95,8 @@ class Iteration {
       const auto reason = reason_to_stop(*step);
       state_.settled =
           largest_motion_mm(*step) <= options_.sampling.until_step_sigma * state_.fit.scale.sigma_mm;
-      const bool near = goal == IterationGoal::near_the_minimum && state_.settled;
+      const bool near =
+          goal == IterationGoal::near_the_minimum && (state_.settled || is_insignificant(*step));
       if (near || (reason && !more_is_undetermined() && !released_an_old_scale())) {
         state_.part_from_mcs = step->to;  // by the criterion it hardly differs
         return reason;
@@ -244,6 +248,12 @@ class Iteration {
     const double mean_weight = equations.weight / static_cast<double>(equations.count);
     const double sigma = state_.fit.scale.sigma_mm;
     return std::sqrt(step.step_scaled.dot(equations.hessian * step.step_scaled) / mean_weight / 6.0) / sigma;
+  }
+
+  // Along a direction that the points hardly determine a step stays long, and on facets it wanders from one
+  // to the next, although the objective tells nothing any more.
+  bool is_insignificant(const Trial& step) const {
+    return options_.step.method == StepMethod::point_to_plane && statistical_length(step) < kInsignificant;
   }
 
   std::optional<Termination> reason_to_stop(const Trial& step) {
