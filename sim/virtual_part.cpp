@@ -74,6 +74,9 @@ std::optional<FootPoint> foot_point(const VirtualPart& part, const Vec3& at_mm, 
   if (own.converged && own.side == TrimSide::inside && is_below(own.foot))
     return FootPoint{surface, own.foot};
 
+  // As far as the facets say, within their tolerance; another foot point is on the far side of a thin wall.
+  const ClosestPoint nearest = part.nominal_tree->query(at_mm);
+  const double agreement_mm = part.nominal->chord_tolerance_mm + kTrimMarginMm;
   std::optional<FootPoint> found;
   double least_mm = std::numeric_limits<double>::infinity();
   const auto try_surface_of = [&](std::uint32_t facet) {
@@ -82,13 +85,14 @@ std::optional<FootPoint> foot_point(const VirtualPart& part, const Vec3& at_mm, 
     const auto projection =
         part.nominal->exact->project(other, at_mm, parameters_beside(*part.nominal, facet, at_mm));
     if (!projection.converged || !is_on_face(projection.side) || !is_below(projection.foot)) return;
+    if (std::abs(projection.distance_mm - nearest.distance_mm) > agreement_mm) return;
     if (projection.distance_mm >= least_mm) return;
     least_mm = projection.distance_mm;
     found = FootPoint{other, projection.foot};
   };
-  const std::uint32_t nearest = part.nominal_tree->query(at_mm).facet;
-  try_surface_of(nearest);
-  for (const SurfaceAround& around : part.nominal->surfaces_around->of(nearest)) try_surface_of(around.facet);
+  try_surface_of(nearest.facet);
+  for (const SurfaceAround& around : part.nominal->surfaces_around->of(nearest.facet))
+    try_surface_of(around.facet);
   if (!found && own.converged) found = FootPoint{surface, own.foot};
   return found;
 }
