@@ -10,6 +10,7 @@
 
 #include "apps/interrupt.h"
 #include "apps/measure.h"
+#include "apps/on_machine.h"
 #include "apps/touched_points.h"
 #include "apps/yaml_writer.h"
 #include "calibration/sphere_calibration.h"
@@ -301,9 +302,8 @@ int touch(const TouchOptions& options) {
                      fmt::format("backend is {}, must be linuxcnc for this command", spec.backend));
   TouchFile touched;
   if (std::filesystem::exists(options.points)) touched = read_touch_file(options.points);
-  LinuxCncMachine machine(spec.linuxcnc, spec.limits, spec.dynamics);
-  machine.connect();
-  TouchReading reading{options.name, Vec3(options.part_mm.data()), machine.measure_point()};
+  TouchReading reading{options.name, Vec3(options.part_mm.data()), {}};
+  on_machine(spec, [&](LinuxCncMachine& machine) { reading.sample = machine.measure_point(); });
   if (!reading.sample.flags.usable())
     throw MachineFault(MachineFault::Kind::sensor,
                        fmt::format("no distance at \"{}\": {}; nothing was written", options.name,

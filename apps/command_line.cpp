@@ -158,9 +158,8 @@ int run_command_line(std::vector<std::string> arguments) {
     spdlog::error("error: {}", failure.what());
     return ExitCode::bad_input;
   } catch (const MachineFault& failure) {
-    if (interrupted()) return ExitCode::interrupted_by_user;
-    spdlog::error("machine fault: {}", failure.what());
-    return ExitCode::machine_fault;
+    spdlog::error("{}: {}", interrupted() ? "interrupted" : "machine fault", failure.what());
+    return interrupted() ? ExitCode::interrupted_by_user : ExitCode::machine_fault;
   } catch (const std::bad_alloc&) {
     spdlog::error("error: the input needs more memory than there is");
     return ExitCode::bad_input;

@@ -10,6 +10,7 @@
 #include "apps/console.h"
 #include "apps/interrupt.h"
 #include "apps/machine_fields.h"
+#include "apps/on_machine.h"
 #include "geometry/atomic_file.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 
@@ -34,15 +35,11 @@ MachineSpec real_machine(const std::string& file) {
   return machine;
 }
 
-struct Session {
-  explicit Session(const MachineOptions& options) : spec(real_machine(options.file)) {
-    if (options.reset_estop) spec.linuxcnc.reset_estop = true;
-    machine.emplace(spec.linuxcnc, spec.limits, spec.dynamics);
-    machine->connect();
-  }
-  MachineSpec spec;
-  std::optional<LinuxCncMachine> machine;
-};
+MachineSpec spec_of(const MachineOptions& options) {
+  MachineSpec spec = real_machine(options.file);
+  if (options.reset_estop) spec.linuxcnc.reset_estop = true;
+  return spec;
+}
 
 nlohmann::ordered_json json_of(const AxisPositions& at) {
   return {{"x_mm", at.x_mm}, {"y_mm", at.y_mm}, {"z_mm", at.z_mm}, {"theta_deg", at.theta_rad / kDegree}};
@@ -53,9 +50,7 @@ std::string words_for(const AxisPositions& at) {
                      at.theta_rad / kDegree);
 }
 
-int show_status(const MachineOptions& options, bool json) {
-  Session session(options);
-  LinuxCncMachine& machine = *session.machine;
+void show_status(LinuxCncMachine& machine, bool json) {
   const std::string controller = machine.status_words();
   const AxisPositions at = machine.position();
   const AxisLimits limits = machine.limits();
@@ -69,26 +64,21 @@ int show_status(const MachineOptions& options, bool json) {
                                {"limits", {{"from", json_of(limits.lower)}, {"to", json_of(limits.upper)}}},
                                {"servo_period_s", stream.servo_period_s}}
             .dump(2));
-    return ExitCode::done;
+    return;
   }
   fmt::print(
       "machine     {}\ncontroller  {}\nposition    {}\nlimits      from {}\n            to   {}\nservo       "
       "{} s\n",
       to_string(machine.state()), controller, words_for(at), words_for(limits.lower), words_for(limits.upper),
       stream.servo_period_s);
-  return ExitCode::done;
 }
 
-int home(const MachineOptions& options) {
-  Session session(options);
-  session.machine->home();
-  fmt::print("homed, at {}\n", words_for(session.machine->position()));
-  return ExitCode::done;
+void home(LinuxCncMachine& machine) {
+  machine.home();
+  fmt::print("homed, at {}\n", words_for(machine.position()));
 }
 
-int jog(const MachineOptions& options) {
-  Session session(options);
-  LinuxCncMachine& machine = *session.machine;
+void jog(LinuxCncMachine& machine, const MachineOptions& options) {
   AxisPositions target = machine.position();
   if (options.axis == "x") target.x_mm += options.by;
   if (options.axis == "y") target.y_mm += options.by;
@@ -96,12 +86,10 @@ int jog(const MachineOptions& options) {
   if (options.axis == "theta") target.theta_rad += options.by * kDegree;
   machine.move_to(target);
   fmt::print("at {}\n", words_for(machine.position()));
-  return ExitCode::done;
 }
 
-int measure(const MachineOptions& options, bool json) {
-  Session session(options);
-  const ProbeSample sample = session.machine->measure_point();
+void measure(LinuxCncMachine& machine, bool json) {
+  const ProbeSample sample = machine.measure_point();
   if (json) {
     fmt::print("{}\n", nlohmann::ordered_json{{"position", json_of(sample.axes)},
                                               {"distance_mm", sample.distance_mm},
@@ -116,7 +104,6 @@ int measure(const MachineOptions& options, bool json) {
     else
       fmt::print("no distance: {}\n", sample.flags.out_of_range ? "out of range" : "no return");
   }
-  return ExitCode::done;
 }
 
 // Every servo period as it comes, whatever moves: the encoders and the sensor as they are.
@@ -179,17 +166,24 @@ The machine file holds the keys of a scenario's machine block. Bring-up step by 
     command->callback([work = std::move(work), &line] { line.chosen = work; });
     return command;
   };
+  const auto with_machine = [options](std::function<void(LinuxCncMachine&)> work) {
+    return [options, work = std::move(work)] {
+      on_machine(spec_of(*options), work);
+      return ExitCode::done;
+    };
+  };
   CLI::App* status = add("status", "State, position, limits, the controller's own words. Nothing moves",
-                         [options, &line] { return show_status(*options, line.json); });
+                         with_machine([&line](auto& on) { show_status(on, line.json); }));
   status->add_flag("--json", line.json, "As JSON on standard output");
-  add("home", "Home all axes", [options] { return home(*options); });
-  CLI::App* jog_command = add("jog", "Move one axis by a distance", [options] { return jog(*options); });
+  add("home", "Home all axes", with_machine(home));
+  CLI::App* jog_command =
+      add("jog", "Move one axis by a distance", with_machine([options](auto& on) { jog(on, *options); }));
   jog_command->add_option("--axis", options->axis, "x, y, z or theta")
       ->required()
       ->check(CLI::IsMember({"x", "y", "z", "theta"}));
   jog_command->add_option("--by", options->by, "mm, or degrees for theta")->required()->type_name("DISTANCE");
   CLI::App* measure_command = add("measure", "One reading of the probe where it stands",
-                                  [options, &line] { return measure(*options, line.json); });
+                                  with_machine([&line](auto& on) { measure(on, line.json); }));
   measure_command->add_flag("--json", line.json, "As JSON on standard output");
   CLI::App* record_command = add("record", "Every servo period's positions and reading as CSV. Nothing moves",
                                  [options] { return record(*options); });

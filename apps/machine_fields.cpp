@@ -212,7 +212,8 @@ void machine_keys(YamlFields& io, MachineSpec& machine, const Folder& folder) {
   std::string_view backend = machine.backend;
   io.choice<std::string_view>("backend", backend, kBackends);
   machine.backend = backend;
-  if (machine.backend == "linuxcnc")
+  // The replay of a scan keeps the block of the machine that measured it.
+  if (machine.backend != "simulated")
     io.map("controller", [&](YamlFields& inner) { fields(inner, machine.linuxcnc); });
   if (machine.backend == "recorded") {
     io.require("journal");

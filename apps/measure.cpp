@@ -97,8 +97,10 @@ Backend make_backend(const Scenario& scenario, const PartOnMachine& nominal) {
     return backend;
   }
   if (scenario.machine.backend == "linuxcnc") {
-    backend.driver = std::make_unique<LinuxCncMachine>(scenario.machine.linuxcnc, scenario.machine.limits,
-                                                       scenario.machine.dynamics);
+    auto machine = std::make_unique<LinuxCncMachine>(scenario.machine.linuxcnc, scenario.machine.limits,
+                                                     scenario.machine.dynamics);
+    machine->stop_when(interrupted);
+    backend.driver = std::move(machine);
     return backend;
   }
   VirtualPart part = virtual_part(scenario, nominal);
@@ -216,6 +218,7 @@ MeasuredView Measurement::measure(const ScanPlan& plan) {
     progress.report(taken, planned);
     return !interrupted();
   };
+  execution.stop_asked = interrupted;
   MachineDriver& driver = *session_->backend.driver;
   try {
     measured.scan = execute_plan(driver, geometry, plan, execution);
@@ -226,7 +229,8 @@ MeasuredView Measurement::measure(const ScanPlan& plan) {
                                                  to_string(driver.state()), session_->resume_hint));
   }
   if (measured.scan.complete) session_->finish(plan.view);
-  if (journal && !measured.scan.complete) spdlog::info("{}", session_->resume_hint);
+  if (journal && !measured.scan.complete)
+    spdlog::info("the machine is {}; {}", to_string(driver.state()), session_->resume_hint);
   if (session_->backend.simulated)
     measured.truth = truth_of(session_->backend.simulated->take_truth(), measured.scan);
   if (measured.scan.complete) require_points(measured.scan);

@@ -120,6 +120,7 @@ ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, co
   const NextSample next = after(plan, before);
   if (before > 0) driver.skip_measured({plan.theta_rad, next.line, before});
 
+  const auto stop_asked = [&] { return options.stop_asked && options.stop_asked(); };
   bool keep_going = true;
   const SampleSink collect = [&](const ProbeSample& sample) {
     if (options.keep) options.keep(sample);
@@ -140,8 +141,13 @@ ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, co
         driver.move_through(way);
       }
       driver.scan_line(std::span(line.path).subspan(broken_off ? next.position : 0), collect);
+      keep_going = keep_going && !stop_asked();
     }
     if (keep_going && before < planned) driver.move_through(plan.retreat);
+  } catch (const MachineFault& fault) {
+    driver.stop();
+    if (fault.kind() != MachineFault::Kind::interrupted || !stop_asked()) throw;
+    keep_going = false;
   } catch (...) {
     driver.stop();
     throw;

@@ -27,6 +27,9 @@ struct ExecutionOptions {
   std::vector<ProbeSample> measured_before;
   // Called with every new sample before anything else is done with it. What it throws stops the machine.
   std::function<void(const ProbeSample&)> keep;
+  // Whether somebody wants the scan to end. A driver that was asked too (LinuxCncMachine::stop_when) breaks
+  // off its motion with a MachineFault (interrupted), which is then no fault: what was measured is kept.
+  std::function<bool()> stop_asked;
 };
 
 // Connects and homes the machine where that is not yet done, checks the whole plan against its travel limits,

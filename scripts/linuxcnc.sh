@@ -4,13 +4,14 @@
 #   scripts/linuxcnc.sh stop
 # LinuxCNC does not run as root: called by root, everything runs as the ordinary user "trueblade", who is made for it.
 # TRUEBLADE_BUILD chooses the build folder (default: build/release, else build/dev); TRUEBLADE_LOOP the folder in which
-# the controller keeps its files (default: /tmp/trueblade_loop).
+# the controller keeps its files (default: /tmp/trueblade_loop); TRUEBLADE_CONFIG the controller's configuration (default:
+# hardware/linuxcnc/config).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 loop=${TRUEBLADE_LOOP:-/tmp/trueblade_loop}
 user=trueblade
-usage() { sed -n '2,7p' "$0" | cut -c3-; exit 2; }
+usage() { sed -n '2,8p' "$0" | cut -c3-; exit 2; }
 
 as_user() {
   if [ "$(id -u)" -eq 0 ]; then
@@ -56,7 +57,7 @@ start() {
   scenario=$(realpath "$scenario")
 
   rm -rf "$loop"
-  cp -r hardware/linuxcnc/config "$loop"
+  cp -r "${TRUEBLADE_CONFIG:-hardware/linuxcnc/config}" "$loop"
   cp "$build/trueblade-hal" "$build/trueblade-listen-on.so" "$build/trueblade-virtual-probe" "$loop/bin/"
   sed -i "s|^PROGRAM = .*|PROGRAM = $loop/trueblade.ngc|; s|^SCENARIO = .*|SCENARIO = $scenario|" "$loop/trueblade.ini"
   : > "$loop/trueblade.tbl"
@@ -64,7 +65,9 @@ start() {
     id "$user" >/dev/null 2>&1 || useradd --system --no-create-home --shell /bin/bash "$user"
     chown -R "$user" "$loop"
   fi
-  (as_user setsid bash -c 'echo $$ > "$1/pid"; cd "$1"; exec linuxcnc -r trueblade.ini > linuxcnc.log 2>&1' _ "$loop" &)
+  # It outlives this script, and must not keep the caller's end of a pipe open.
+  (as_user setsid bash -c 'echo $$ > "$1/pid"; cd "$1"; exec linuxcnc -r trueblade.ini > linuxcnc.log 2>&1' _ "$loop" \
+    </dev/null >/dev/null 2>&1 &)
   for _ in $(seq 600); do
     if answers 5007 && answers 5008; then
       echo "linuxcnc: running; commands on port 5007, samples on port 5008, log in $loop/linuxcnc.log"

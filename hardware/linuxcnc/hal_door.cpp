@@ -85,6 +85,8 @@ std::optional<HalStream::Record> HalStream::read() {
   std::array<hal_stream_data, HAL_STREAM_MAX_PINS> raw{};
   unsigned number = 0;
   if (hal_stream_read(&attached_->stream, raw.data(), &number) != 0) return std::nullopt;
+  // The stream numbers the records that found a place; what found none left a gap.
+  number += static_cast<unsigned>(hal_stream_num_overruns(&attached_->stream));
   Record record{number, std::vector<HalValue>(fields_.size())};
   for (std::size_t k = 0; k < fields_.size(); ++k) switch (fields_[k]) {
       case 'f':

@@ -64,7 +64,8 @@ class HalStream {
   HalStream& operator=(const HalStream&) = delete;
 
   struct Record {
-    std::uint32_t number;  // of the servo period, as the sampler counts
+    std::uint32_t
+        number;  // of the servo period; also those count whose record was lost as the stream was full
     std::vector<HalValue> values;
   };
   std::optional<Record> read();                     // nullopt: nothing there

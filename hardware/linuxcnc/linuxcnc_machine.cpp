@@ -41,6 +41,11 @@ AxisPositions tightest(const AxisPositions& a, const AxisPositions& b, double (*
           choose(a.theta_rad, b.theta_rad)};
 }
 
+// After these nobody knows what the machine does.
+bool is_out_of_sight(const MachineFault& fault) {
+  return fault.kind() == Kind::connection || fault.kind() == Kind::protocol;
+}
+
 bool is_secret_word(const std::string& word) {
   return !word.empty() && word.size() <= 64 &&
          std::all_of(word.begin(), word.end(),
@@ -148,6 +153,33 @@ void LinuxCncMachine::home() {
   if (!commands_) throw MachineFault(Kind::connection, "the machine is not connected");
   stop_asked_ = false;
   state_ = MachineState::not_homed;
+  try {
+    switch_on();
+    if (is_homed()) {
+      state_ = MachineState::idle;
+      return;
+    }
+  } catch (const MachineFault& fault) {
+    if (is_out_of_sight(fault)) state_ = MachineState::unknown;
+    throw;
+  }
+  try {
+    set_mode("manual");
+    samples_->start_samples();
+    samples_->set_watch();
+    state_ = MachineState::moving;
+    require_set("home -1");
+    follow_homing();
+    samples_->release_watch();
+    samples_->stop_samples();
+  } catch (...) {
+    end_motion();
+    throw;
+  }
+  state_ = MachineState::idle;
+}
+
+void LinuxCncMachine::switch_on() {
   if (commands_->get("estop").text == "ON") {
     if (!settings_.reset_estop)
       throw MachineFault(Kind::emergency_stop,
@@ -163,24 +195,27 @@ void LinuxCncMachine::home() {
       fail_with_reason("the machine is not switched on");
     std::this_thread::sleep_for(std::chrono::duration<double>(kStatusIntervalS));
   }
-  try {
-    if (!is_homed()) {
-      set_mode("manual");
-      state_ = MachineState::moving;
-      require_set("home -1");
-    }
-    while (!is_homed()) {
-      if (stop_asked_) throw MachineFault(Kind::interrupted, "stopped while homing");
-      if (commands_->get("machine").text != "ON") fail_with_reason("the machine went off while homing");
-      if (seconds_since(start) > settings_.home_timeout_s)
-        fail_with_reason(fmt::format("not homed within {} s", settings_.home_timeout_s));
-      std::this_thread::sleep_for(std::chrono::duration<double>(kStatusIntervalS));
-    }
-  } catch (...) {
-    end_motion();
-    throw;
+}
+
+void LinuxCncMachine::follow_homing() {
+  const auto start = Clock::now();
+  auto last_round = start;
+  while (!is_homed()) {
+    // The controller says nothing of homing that its watchdog has ended.
+    const double silent_s = seconds_since(last_round);
+    if (silent_s > SampleStream::kWatchdogS)
+      throw MachineFault(Kind::interrupted, fmt::format("the program gave no sign of life for {:.2f} s while "
+                                                        "homing: the controller has ended it",
+                                                        silent_s));
+    last_round = Clock::now();
+    if (must_stop()) throw MachineFault(Kind::interrupted, "stopped while homing");
+    if (commands_->get("machine").text != "ON") fail_with_reason("the machine went off while homing");
+    if (seconds_since(start) > settings_.home_timeout_s)
+      fail_with_reason(fmt::format("not homed within {} s", settings_.home_timeout_s));
+    // The samples say nothing about homing, but reading them gives the signs of life.
+    for (const auto asked = Clock::now(); seconds_since(asked) < kStatusIntervalS;)
+      samples_->next(kStatusIntervalS);
   }
-  state_ = MachineState::idle;
 }
 
 void LinuxCncMachine::require_ready() const {
@@ -215,22 +250,26 @@ void LinuxCncMachine::require_within_limits(std::span<const AxisPositions> way) 
 
 AxisPositions LinuxCncMachine::position() const {
   if (!samples_) throw MachineFault(Kind::connection, "the machine is not connected");
-  return axis_positions(samples_->present());
+  try {
+    return axis_positions(samples_->present());
+  } catch (const MachineFault&) {
+    state_ = MachineState::unknown;
+    throw;
+  }
 }
 
-void LinuxCncMachine::run_program(const std::string& program, double longest_s,
-                                  const std::function<bool(const LatchedSample&)>& use,
+void LinuxCncMachine::run_program(const Motion& motion, const std::function<bool(const LatchedSample&)>& use,
                                   const std::function<bool()>& done) {
   require_ready();
   try {
     set_mode("auto");
-    samples_->store_program(program);
+    samples_->store_program(motion.program);
     samples_->start_samples();
     require_set("open " + samples_->greeting().program_file);
     samples_->set_watch();
     state_ = MachineState::moving;
     require_set("run");
-    follow_program(longest_s, use, done);
+    follow_program(motion, use, done);
     samples_->release_watch();
     samples_->stop_samples();
   } catch (...) {
@@ -240,34 +279,34 @@ void LinuxCncMachine::run_program(const std::string& program, double longest_s,
   state_ = MachineState::idle;
 }
 
-void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(const LatchedSample&)>& use,
+void LinuxCncMachine::follow_program(const Motion& motion,
+                                     const std::function<bool(const LatchedSample&)>& use,
                                      const std::function<bool()>& done) {
   const auto start = Clock::now();
   auto last_status = start;
-  auto last_reading = start;
-  std::optional<std::uint32_t> reading;
+  auto last_news = start;
+  std::optional<LatchedSample> before;
   std::optional<Clock::time_point> idle_since;
   bool seen_running = false;
   // Every sample passes here, also those that arrive after the program has ended.
   const auto see = [&](const LatchedSample& sample) {
     if (!sample.motion_enabled) fail_with_reason("the controller has switched the axes off");
-    if (reading != sample.reading) last_reading = Clock::now();
-    reading = sample.reading;
+    const bool is_new = !before || before->reading != sample.reading;
+    if (is_new || (!motion.needs_readings && before->axes != sample.axes)) last_news = Clock::now();
+    before = sample;
     return use(sample);
   };
   for (;;) {
-    if (stop_asked_) throw MachineFault(Kind::interrupted, "the machine was stopped");
+    if (must_stop()) throw MachineFault(Kind::interrupted, "the machine was stopped");
     const auto sample = samples_->next(kStatusIntervalS);
-    if (sample && !see(*sample)) {
-      end_motion();
-      throw MachineFault(Kind::interrupted, "the scan was broken off");
-    }
-    if (!done() && seconds_since(last_reading) > settings_.sensor_timeout_s)
+    if (sample && !see(*sample)) throw MachineFault(Kind::interrupted, "the scan was broken off");
+    if (!done() && seconds_since(last_news) > settings_.sensor_timeout_s)
       throw MachineFault(Kind::sensor, fmt::format("the sensor is silent: no new reading for {} s",
                                                    settings_.sensor_timeout_s));
+    // Counted from the last answer, so that late answers leave time to read the samples that came meanwhile.
     if (seconds_since(last_status) < kStatusIntervalS) continue;
-    last_status = Clock::now();
     const std::string status = commands_->get("program_status").text;
+    last_status = Clock::now();
     if (status != "IDLE") {
       seen_running = true;
       idle_since.reset();
@@ -279,8 +318,8 @@ void LinuxCncMachine::follow_program(double longest_s, const std::function<bool(
       if (idle_since && seconds_since(*idle_since) > settings_.sensor_timeout_s)
         fail_with_reason("the controller did not carry the program out to its end");
     }
-    if (seconds_since(start) > longest_s)
-      fail_with_reason(fmt::format("the motion has not ended within {:.0f} s", longest_s));
+    if (seconds_since(start) > motion.longest_s)
+      fail_with_reason(fmt::format("the motion has not ended within {:.0f} s", motion.longest_s));
   }
 }
 
@@ -303,7 +342,9 @@ void LinuxCncMachine::move_through(std::span<const AxisPositions> way) {
   // no line any more.
   bool arrived = false;
   run_program(
-      move_program(way), 3.0 * estimate_s + kProgramOverheadS,
+      {.program = move_program(way),
+       .longest_s = 3.0 * estimate_s + kProgramOverheadS,
+       .needs_readings = false},
       [&](const LatchedSample& sample) {
         arrived = distance_between(axis_positions(sample), way.back()) < kArrivedMm;
         return true;
@@ -316,7 +357,7 @@ ProbeSample LinuxCncMachine::measure_point() {
   std::optional<LatchedSample> measured;
   std::optional<std::uint32_t> reading;
   run_program(
-      point_program(point_), kProgramOverheadS,
+      {.program = point_program(point_), .longest_s = kProgramOverheadS},
       [&](const LatchedSample& sample) {
         if (sample.first_point == number && !measured && reading != sample.reading) measured = sample;
         reading = sample.reading;
@@ -357,7 +398,7 @@ std::size_t LinuxCncMachine::scan_line(std::span<const AxisPositions> path, cons
   bool broken_off = false;
   try {
     run_program(
-        program, 3.0 * estimate_s + kProgramOverheadS,
+        {.program = program, .longest_s = 3.0 * estimate_s + kProgramOverheadS},
         [&](const LatchedSample& sample) {
           if (picker.take(sample, deliver)) return true;
           broken_off = true;
@@ -412,6 +453,10 @@ void LinuxCncMachine::end_motion() noexcept {
   }
   mode_.clear();
   state_ = state;
+}
+
+bool LinuxCncMachine::must_stop() const {
+  return stop_asked_ || (stop_when_ && stop_when_());
 }
 
 void LinuxCncMachine::stop() noexcept {

@@ -8,11 +8,12 @@
 //
 // What ends motion: stop() and every fault hold the feed in the next servo period and abort the program; when
 // this program dies, hangs or is cut off, the controller's own watchdog does the same within half a second
-// (SampleStream::kWatchdogS). A fault leaves the state `stopped` when the encoders were seen to stand still,
-// else `unknown`.
+// (SampleStream::kWatchdogS). Homing too. A fault leaves the state `stopped` when the encoders were seen to
+// stand still, else `unknown`.
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -58,6 +59,10 @@ class LinuxCncMachine final : public MachineDriver {
   AxisPositions position() const override;
   AxisLimits limits() const override;
 
+  // Asked all the while the machine homes or moves, in the thread that moves it: true ends the motion with a
+  // MachineFault (interrupted).
+  void stop_when(std::function<bool()> asked) { stop_when_ = std::move(asked); }
+
   // The samples as they come, whether or not anything moves: for bring-up. Precondition: connected.
   std::optional<LatchedSample> next_sample(double wait_s) { return samples_->next(wait_s); }
   const StreamGreeting& stream_facts() const { return samples_->greeting(); }
@@ -66,12 +71,20 @@ class LinuxCncMachine final : public MachineDriver {
 
  private:
   void require_ready() const;
+  void switch_on();
+  void follow_homing();
   void require_within_limits(std::span<const AxisPositions> way) const;
+  struct Motion {
+    std::string program;
+    double longest_s = 0.0;
+    // A move is alive as long as the positions change, also where the sensor has nothing to say.
+    bool needs_readings = true;
+  };
   // Runs a program to its end. `use` sees every sample and returns false to stop early; `done` says when the
   // samples have told all that was wanted. Every way out but the end of the program stops the machine.
-  void run_program(const std::string& program, double longest_s,
-                   const std::function<bool(const LatchedSample&)>& use, const std::function<bool()>& done);
-  void follow_program(double longest_s, const std::function<bool(const LatchedSample&)>& use,
+  void run_program(const Motion& motion, const std::function<bool(const LatchedSample&)>& use,
+                   const std::function<bool()>& done);
+  void follow_program(const Motion& motion, const std::function<bool(const LatchedSample&)>& use,
                       const std::function<bool()>& done);
   void set_mode(const std::string& mode);
   void require_set(const std::string& command);
@@ -79,6 +92,7 @@ class LinuxCncMachine final : public MachineDriver {
   // `unexplained`: the kind of the fault where the controller gives no reason.
   [[noreturn]] void fail_with_reason(const std::string& what,
                                      MachineFault::Kind unexplained = MachineFault::Kind::interrupted);
+  bool must_stop() const;
   void end_motion() noexcept;
   bool stands_still();
 
@@ -88,8 +102,10 @@ class LinuxCncMachine final : public MachineDriver {
   std::unique_ptr<RshClient> commands_;
   std::unique_ptr<SampleStream> samples_;
   std::string mode_;
-  std::atomic<MachineState> state_{MachineState::disconnected};
+  // Whoever asks for the position may find that nobody answers.
+  mutable std::atomic<MachineState> state_{MachineState::disconnected};
   std::atomic<bool> stop_asked_{false};
+  std::function<bool()> stop_when_;
   std::uint64_t line_ = 0, point_ = 0;  // running numbers
 };
 

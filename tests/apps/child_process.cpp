@@ -51,10 +51,14 @@ ChildResult run_trueblade(const std::vector<std::string>& arguments,
   ChildResult result;
   const auto deadline =
       std::chrono::steady_clock::now() + std::chrono::duration<double>(options.time_limit_s);
-  bool to_interrupt = !options.interrupt_after.empty();
+  bool to_interrupt = !options.interrupt_after.empty() || options.interrupt_when;
+  const auto is_time_to_interrupt = [&] {
+    return options.interrupt_when ? options.interrupt_when()
+                                  : text_of(err).find(options.interrupt_after) != std::string::npos;
+  };
   int status = 0;
   while (waitpid(child, &status, WNOHANG) == 0) {
-    if (to_interrupt && text_of(err).find(options.interrupt_after) != std::string::npos) {
+    if (to_interrupt && is_time_to_interrupt()) {
       kill(child, SIGINT);
       to_interrupt = false;
     }

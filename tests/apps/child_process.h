@@ -18,9 +18,10 @@ struct ChildResult {
 
 struct ChildOptions {
   double time_limit_s = 120.0;
-  std::string interrupt_after = {};      // when these words appear on standard error, Ctrl-C is sent once
-  std::function<bool()> kill_when = {};  // as soon as it holds, the program is killed (SIGKILL)
-  std::size_t largest_file_bytes = 0;    // a disk that is full beyond it; 0: no limit
+  std::string interrupt_after = {};  // when these words appear on standard error, Ctrl-C is sent once
+  std::function<bool()> interrupt_when = {};  // as soon as it holds, Ctrl-C is sent once
+  std::function<bool()> kill_when = {};       // as soon as it holds, the program is killed (SIGKILL)
+  std::size_t largest_file_bytes = 0;         // a disk that is full beyond it; 0: no limit
 };
 
 // `working_folder` is where the command runs.

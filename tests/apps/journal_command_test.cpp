@@ -77,7 +77,8 @@ TEST(Replay, GivesTheSameReport) {
   ASSERT_EQ(run_trueblade({"inspect", "cube.yaml", "--out", "whole"}, folder.path()).exit_code, 0);
   std::string replay = kCubeScenario;
   replay.replace(replay.find("machine:\n"), 9,
-                 "machine:\n  backend: recorded\n  journal: whole/scan.journal\n");
+                 "machine:\n  backend: recorded\n  journal: whole/scan.journal\n"
+                 "  controller: {host: 192.0.2.1}\n");  // of the machine that measured: nobody asks it
   folder.write("replay.yaml", replay);
   const ChildResult replayed = run_trueblade({"inspect", "replay.yaml", "--out", "replay"}, folder.path());
   ASSERT_EQ(replayed.exit_code, 0) << replayed.err;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <thread>
 
 #include "hardware/execute_plan.h"
 #include "hardware/recorded/journal.h"
@@ -103,11 +104,15 @@ Outcome fault_then_resume(const Misbehaviour& misbehaviour) {
   return outcome;
 }
 
-std::size_t replies_of_a_whole_scan() {
+struct Answers {
+  std::size_t replies, of_the_stream;
+};
+
+Answers answers_of_a_whole_scan() {
   const TemporaryFolder folder;
   ScriptedController controller;
   scan_with(controller.settings(), folder / "scan.journal");
-  return controller.replies_sent();
+  return {controller.replies_sent(), controller.stream_answers_sent()};
 }
 
 TEST(LinuxCncMachine, MeasuresAWholePlan) {
@@ -162,6 +167,87 @@ TEST(LinuxCncFault, ASinkThatHasEnoughStopsTheMachine) {
   EXPECT_TRUE(controller.was_aborted());
 }
 
+std::optional<Kind> kind_of_fault(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const MachineFault& fault) {
+    return fault.kind();
+  }
+  return std::nullopt;
+}
+
+TEST(LinuxCncFault, AStopEndsHoming) {
+  Misbehaviour misbehaviour;
+  misbehaviour.homing_periods = 1'000'000;
+  ScriptedController controller(misbehaviour);
+  LinuxCncMachine machine(controller.settings(), kTravel, {});
+  int asked = 0;
+  machine.stop_when([&] { return ++asked > 3; });
+  machine.connect();
+  EXPECT_EQ(kind_of_fault([&] { machine.home(); }), Kind::interrupted);
+  EXPECT_TRUE(controller.was_watched());
+  EXPECT_TRUE(controller.was_held());
+  EXPECT_TRUE(controller.was_aborted());
+  EXPECT_EQ(machine.state(), MachineState::stopped);
+}
+
+TEST(LinuxCncFault, HomingThatTakesLongerThanTheWatchdogIsWatchedAllTheWhile) {
+  Misbehaviour misbehaviour;
+  misbehaviour.homing_periods = 600;
+  ScriptedController controller(misbehaviour);
+  LinuxCncSettings settings = controller.settings();
+  settings.home_timeout_s = 30.0;
+  LinuxCncMachine machine(settings, kTravel, {});
+  machine.connect();
+  machine.home();
+  EXPECT_TRUE(controller.was_watched());
+  EXPECT_LT(controller.longest_without_sign_s(), SampleStream::kWatchdogS);
+  EXPECT_EQ(machine.state(), MachineState::idle);
+}
+
+TEST(LinuxCncFault, AStopEndsAMove) {
+  ScriptedController controller;
+  LinuxCncMachine machine(controller.settings(), kTravel, {});
+  bool stop = false;
+  machine.stop_when([&] { return stop; });
+  machine.connect();
+  machine.home();
+  stop = true;
+  EXPECT_EQ(kind_of_fault([&] { machine.move_to({300, 0, 0, 0}); }), Kind::interrupted);
+  EXPECT_TRUE(controller.was_held());
+  EXPECT_TRUE(controller.was_aborted());
+  EXPECT_EQ(machine.state(), MachineState::stopped);
+}
+
+TEST(LinuxCncFault, AScanThatIsAskedToStopKeepsWhatItMeasured) {
+  ScriptedController controller;
+  LinuxCncMachine machine(controller.settings(), kTravel, {});
+  std::size_t kept = 0;
+  ExecutionOptions options;
+  options.keep = [&](const ProbeSample&) { ++kept; };
+  options.stop_asked = [&] { return kept >= 8; };
+  machine.stop_when(options.stop_asked);
+  const ViewScan scan = execute_plan(machine, {}, plan_of_two_lines(), options);
+  EXPECT_FALSE(scan.complete);
+  EXPECT_EQ(scan.samples.size(), 8u);
+  EXPECT_EQ(machine.state(), MachineState::stopped);
+}
+
+TEST(LinuxCncFault, WhoIsCutOffAtRestDoesNotKnowWhatTheMachineDoes) {
+  Misbehaviour misbehaviour;
+  const std::size_t to_come_home = 2;  // the greeting, the sample at connecting; homing takes a third
+  misbehaviour.stream_answers = [&](std::size_t n, const std::string& frame) {
+    return n > to_come_home ? std::nullopt : std::optional(frame);
+  };
+  ScriptedController controller(misbehaviour);
+  LinuxCncMachine machine(controller.settings(), kTravel, {});
+  machine.connect();
+  machine.home();
+  EXPECT_EQ(machine.state(), MachineState::idle);
+  EXPECT_EQ(kind_of_fault([&] { machine.move_to({1, 0, 0, 0}); }), Kind::connection);
+  EXPECT_EQ(machine.state(), MachineState::unknown);
+}
+
 TEST(LinuxCncFault, NobodyThere) {
   LinuxCncSettings settings;
   {
@@ -190,7 +276,7 @@ TEST(LinuxCncFault, WrongPasswords) {
 // At every reply of the whole scan: the connection is cut; garbage; a line without end; an answer to another
 // question.
 TEST(LinuxCncFault, AtEveryStepOfTheProtocol) {
-  const std::size_t replies = replies_of_a_whole_scan();
+  const std::size_t replies = answers_of_a_whole_scan().replies;
   ASSERT_GT(replies, 20u);
   using Replies = std::function<std::optional<std::string>(const std::string&)>;
   const std::vector<std::pair<const char*, Replies>> ways{
@@ -202,7 +288,7 @@ TEST(LinuxCncFault, AtEveryStepOfTheProtocol) {
        }},
       {"other", [](const std::string&) { return "PROGRAM_LINE 7\r\n"; }}};
   for (const auto& [name, way] : ways)
-    for (std::size_t step = 0; step < replies; step += name == std::string("cut") ? 2 : 7) {
+    for (std::size_t step = 0; step < replies; step += name == std::string("cut") ? 1 : 7) {
       SCOPED_TRACE(std::string(name) + " at reply " + std::to_string(step));
       Misbehaviour misbehaviour;
       misbehaviour.replies = [&way = way, step](std::size_t n, const std::string& reply) {
@@ -219,8 +305,57 @@ TEST(LinuxCncFault, AtEveryStepOfTheProtocol) {
     }
 }
 
-TEST(LinuxCncFault, HalfALineSilenceAndALateAnswerEndByTheTimeOut) {
-  const std::size_t replies = replies_of_a_whole_scan();
+// The greeting, and the answers to "samples" and "program": cut at each; silence and damage at some.
+TEST(LinuxCncFault, AtEveryAnswerOfTheSampleStream) {
+  const std::size_t answers = answers_of_a_whole_scan().of_the_stream;
+  ASSERT_GT(answers, 8u);
+  for (const char* way : {"cut", "silence", "damaged"})
+    for (std::size_t step = 0; step < answers; step += way == std::string("cut") ? 1 : 3) {
+      SCOPED_TRACE(std::string(way) + " at answer " + std::to_string(step));
+      Misbehaviour misbehaviour;
+      misbehaviour.stream_answers = [&](std::size_t n, std::string frame) -> std::optional<std::string> {
+        if (n != step) return frame;
+        if (way == std::string("cut")) return std::nullopt;
+        if (way == std::string("silence")) return "";
+        frame.back() = static_cast<char>(frame.back() ^ 1);
+        return frame;
+      };
+      const Outcome outcome = fault_then_resume(misbehaviour);
+      ASSERT_TRUE(outcome.kind);
+      EXPECT_EQ(*outcome.kind, way == std::string("damaged") ? Kind::protocol : Kind::connection)
+          << outcome.words;
+      EXPECT_LT(outcome.took_s, 4.0);
+    }
+}
+
+TEST(LinuxCncFault, AnswersThatAreLateButInTimeAreNoFault) {
+  for (const double delay_s : {0.01, 0.03, 0.06, 0.12}) {
+    SCOPED_TRACE(delay_s);
+    Misbehaviour misbehaviour;
+    misbehaviour.delay_s = [=](std::size_t) { return delay_s; };
+    const TemporaryFolder folder;
+    ScriptedController controller(misbehaviour);
+    const Outcome outcome = scan_with(controller.settings(), folder / "scan.journal");
+    EXPECT_FALSE(outcome.kind) << outcome.words;
+    expect_whole(outcome.scan);
+  }
+}
+
+TEST(LinuxCncFault, AnAnswerLaterThanTheTimeOut) {
+  const std::size_t replies = answers_of_a_whole_scan().replies;
+  for (const std::size_t step : {std::size_t{0}, std::size_t{9}, replies / 2, replies - 3}) {
+    SCOPED_TRACE(step);
+    Misbehaviour misbehaviour;
+    misbehaviour.delay_s = [=](std::size_t n) { return n == step ? 0.7 : 0.0; };
+    const Outcome outcome = fault_then_resume(misbehaviour);
+    ASSERT_TRUE(outcome.kind);
+    EXPECT_EQ(*outcome.kind, Kind::connection) << outcome.words;
+    EXPECT_LT(outcome.took_s, 4.0);
+  }
+}
+
+TEST(LinuxCncFault, HalfALineAndSilenceEndByTheTimeOut) {
+  const std::size_t replies = answers_of_a_whole_scan().replies;
   for (const std::size_t step : {std::size_t{0}, std::size_t{2}, std::size_t{9}, replies / 2, replies - 3}) {
     for (const char* way : {"half", "silence"}) {
       SCOPED_TRACE(std::string(way) + " at reply " + std::to_string(step));
@@ -238,7 +373,7 @@ TEST(LinuxCncFault, HalfALineSilenceAndALateAnswerEndByTheTimeOut) {
 }
 
 TEST(LinuxCncFault, AnswersInTheWrongOrderAreNotTakenForOneAnother) {
-  const std::size_t replies = replies_of_a_whole_scan();
+  const std::size_t replies = answers_of_a_whole_scan().replies;
   for (std::size_t step = 2; step + 1 < replies; step += 11) {
     std::string withheld;
     Misbehaviour misbehaviour;
@@ -262,6 +397,7 @@ TEST(LinuxCncFault, AVeryLongLineTakesNoMemoryAndEndsInTime) {
   };
   const Outcome outcome = fault_then_resume(misbehaviour);
   ASSERT_TRUE(outcome.kind);
+  EXPECT_EQ(*outcome.kind, Kind::connection) << outcome.words;
   EXPECT_LT(outcome.took_s, 4.0);
 }
 
@@ -318,6 +454,23 @@ TEST(LinuxCncFault, ASilentSensor) {
   ASSERT_TRUE(outcome.kind);
   EXPECT_EQ(*outcome.kind, Kind::sensor) << outcome.words;
   EXPECT_EQ(outcome.state, MachineState::stopped);
+}
+
+TEST(LinuxCncFault, AMoveNeedsNoSensor) {
+  Misbehaviour misbehaviour;
+  misbehaviour.samples = [](std::size_t, LatchedSample sample) -> std::optional<std::string> {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    sample.reading = 1;
+    return frame_bytes(StreamFrame::Type::sample, sample_payload(sample));
+  };
+  ScriptedController controller(misbehaviour);
+  LinuxCncMachine machine(controller.settings(), kTravel, {});
+  machine.connect();
+  machine.home();
+  std::vector<AxisPositions> way;  // 3 samples each: longer than the sensor may be silent
+  for (int k = 1; k <= 20; ++k) way.push_back({1.0 * k, 0, 0, 0});
+  machine.move_through(way);
+  EXPECT_NEAR(machine.position().x_mm, 20.0, 1e-9);
 }
 
 TEST(LinuxCncFault, EmergencyStopFollowingErrorAndLimitCarryTheControllersWords) {

@@ -9,6 +9,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import resource
 import shutil
 import signal
@@ -26,6 +27,7 @@ PROGRAM = BUILD / "trueblade"
 LOOP = pathlib.Path(tempfile.gettempdir()) / "trueblade_loop_test"
 ENVIRONMENT = {**os.environ, "TRUEBLADE_BUILD": str(BUILD), "TRUEBLADE_LOOP": str(LOOP)}
 MACHINE_FAULT = 3
+INTERRUPTED = 130
 OUT_OF_RANGE = 1  # of a sample's flags
 MIDDLE_BYTES = 2700  # of a journal of about 5,700: a scan in its middle
 
@@ -87,7 +89,13 @@ def loop(*arguments):
 def halcmd(*arguments):
     """Beside the controller, as its user."""
     as_user = ["runuser", "-u", "trueblade", "--"] if os.geteuid() == 0 else []
-    subprocess.run([*as_user, "env", f"HOME={LOOP}", "halcmd", *arguments], check=True, capture_output=True, timeout=30)
+    return subprocess.run([*as_user, "env", f"HOME={LOOP}", "halcmd", *arguments], check=True, capture_output=True, text=True,
+                          timeout=30).stdout
+
+
+def x_of_the_encoder():
+    """In mm, from wherever: homing does not change it."""
+    return float(halcmd("getp", "joint.0.motor-pos-fb"))
 
 
 def processes_of_the_loop(name):
@@ -121,24 +129,85 @@ def listeners_of_the_loop():
     return sorted(found)
 
 
-def setUpModule():
-    subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, stdout=subprocess.DEVNULL, check=False)
-    setUpModule.folder = pathlib.Path(tempfile.mkdtemp())
-    setUpModule.folder.chmod(0o755)  # the virtual probe reads the scenario as another user
-    file = setUpModule.folder / "loop.yaml"
-    file.write_text(scenario_text())
-    subprocess.run([ROOT / "scripts/linuxcnc.sh", "start", file], env=ENVIRONMENT, check=True)
+class OnTheController(unittest.TestCase):
+    """A controller of its own for every class, by the configuration with what `edits` changes in it."""
+    edits = ()  # file, what stands there, what takes its place
 
+    @classmethod
+    def setUpClass(cls):
+        loop("stop")
+        cls.class_folder = pathlib.Path(tempfile.mkdtemp())
+        cls.class_folder.chmod(0o755)  # the virtual probe reads the scenario as another user
+        (cls.class_folder / "loop.yaml").write_text(scenario_text())
+        config = cls.class_folder / "config"
+        shutil.copytree(ROOT / "hardware/linuxcnc/config", config)
+        for file, old, new in cls.edits:
+            text = (config / file).read_text()
+            assert old in text, old
+            (config / file).write_text(text.replace(old, new, 1))
+        ENVIRONMENT["TRUEBLADE_CONFIG"] = str(config)
+        cls.start_controller()
 
-def tearDownModule():
-    subprocess.run([ROOT / "scripts/linuxcnc.sh", "stop"], env=ENVIRONMENT, check=True)
-    shutil.rmtree(setUpModule.folder)
+    @classmethod
+    def start_controller(cls):
+        loop("start", cls.class_folder / "loop.yaml")
 
+    @classmethod
+    def tearDownClass(cls):
+        loop("stop")
+        shutil.rmtree(cls.class_folder)
 
-class RunningController(unittest.TestCase):
     def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp(dir=setUpModule.folder))
+        self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.class_folder))
 
+    def machine_file(self):
+        machine = self.folder / "machine.yaml"
+        machine.write_text("backend: linuxcnc\nlens: {name: 25mm}\ncontroller: {" +
+                           CONTROLLER.format(port=5007, password="EMCTOO") + "}\n")
+        return machine
+
+    def machine(self, *arguments):
+        return subprocess.run([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(), *arguments[1:]],
+                              capture_output=True, text=True, check=False, timeout=120)
+
+    def stands_still(self):
+        controller = Controller()
+        before = controller.position()
+        time.sleep(0.5)
+        after = controller.position()
+        controller.close()
+        self.assertEqual(before, after)
+
+    def started(self, *arguments):
+        """`trueblade machine` with these, once the x axis is 20 mm on its way."""
+        x_mm = x_of_the_encoder()
+        process = subprocess.Popen([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(), *arguments[1:]],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.wait_for_way_from(x_mm, process)
+        return process
+
+    def wait_for_way_from(self, x_mm, process):
+        while abs(x_of_the_encoder() - x_mm) < 20:
+            self.assertIsNone(process.poll(), "ended before it moved")
+            time.sleep(0.02)
+
+    def ends_interrupted(self, process):
+        process.send_signal(signal.SIGINT)
+        asked = time.monotonic()
+        _, errors = process.communicate(timeout=60)
+        self.assertLess(time.monotonic() - asked, 3)
+        self.assertEqual(process.returncode, INTERRUPTED, errors)
+        self.assertIn("the machine is stopped", errors)
+        self.stands_still()
+
+    def ends_killed(self, process):
+        process.kill()
+        process.communicate()
+        time.sleep(1.0)  # the watchdog's 0.5 s, and the way to a stand
+        self.stands_still()
+
+
+class RunningController(OnTheController):
     def command(self, scenario, *options):
         file = self.folder / "scenario.yaml"
         file.write_text(scenario)
@@ -181,24 +250,6 @@ class RunningController(unittest.TestCase):
         self.assertRegex(errors.lower(), words)
         self.assertRegex(errors, "the machine is (stopped|unknown)")
         self.assertGreaterEqual(self.journal_bytes(), MIDDLE_BYTES, errors)
-
-    def machine_file(self):
-        machine = self.folder / "machine.yaml"
-        machine.write_text("backend: linuxcnc\nlens: {name: 25mm}\ncontroller: {" +
-                           CONTROLLER.format(port=5007, password="EMCTOO") + "}\n")
-        return machine
-
-    def machine(self, *arguments):
-        return subprocess.run([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(), *arguments[1:]],
-                              capture_output=True, text=True, check=False, timeout=120)
-
-    def stands_still(self):
-        controller = Controller()
-        before = controller.position()
-        time.sleep(0.5)
-        after = controller.position()
-        controller.close()
-        self.assertEqual(before, after)
 
     def completes(self, scenario=scenario_text()):
         resumed = self.inspect(scenario, "--resume")
@@ -277,7 +328,7 @@ class RunningController(unittest.TestCase):
             os.kill(probes[0], signal.SIGCONT)
         self.stands_still()
         loop("stop")
-        loop("start", setUpModule.folder / "loop.yaml")
+        self.start_controller()
         jog = self.machine("jog", "--axis", "x", "--by", "1")
         self.assertEqual(jog.returncode, MACHINE_FAULT, jog.stderr)
         self.assertIn("not homed", jog.stderr)
@@ -289,24 +340,35 @@ class RunningController(unittest.TestCase):
         try:
             self.ends_as_a_fault(process, "connection|closed")
         finally:
-            loop("start", setUpModule.folder / "loop.yaml")
+            self.start_controller()
         self.completes()
 
     def test_killed_in_the_middle_of_a_line(self):
-        process = self.started_scan()
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
-        time.sleep(1.0)  # the watchdog's 0.5 s, and the way to a stand
-        self.stands_still()
+        self.ends_killed(self.started_scan())
         self.completes()
 
     def test_interrupted_in_the_middle_of_a_line(self):
-        process = self.started_scan()
-        process.send_signal(signal.SIGINT)
-        process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130)
-        self.stands_still()
+        self.ends_interrupted(self.started_scan())
         self.completes()
+
+    def test_interrupted_on_the_way_to_a_line(self):
+        home = self.machine("home")
+        self.assertEqual(home.returncode, 0, home.stderr)
+        x_mm = float(re.search(r"x (\S+)", home.stdout)[1])
+        self.assertEqual(self.machine("jog", "--axis", "x", "--by", str(-200 - x_mm)).returncode, 0)  # the part is around zero
+        x_mm = x_of_the_encoder()
+        process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.wait_for_way_from(x_mm, process)
+        self.ends_interrupted(process)
+        self.assertLess(x_of_the_encoder() - x_mm, 150)
+        self.completes()
+
+    def test_jog_interrupted_and_killed(self):
+        for end in (self.ends_interrupted, self.ends_killed):
+            self.assertEqual(self.machine("home").returncode, 0)
+            x_mm = x_of_the_encoder()
+            end(self.started("jog", "--axis", "x", "--by", "-200"))
+            self.assertLess(abs(x_of_the_encoder() - x_mm), 150)
 
     def test_beyond_a_limit(self):
         self.assertEqual(self.machine("home").returncode, 0)
@@ -354,6 +416,87 @@ class RunningController(unittest.TestCase):
             refused = self.inspect(scenario)
             self.assertEqual(refused.returncode, MACHINE_FAULT, refused.stderr)
             self.assertIn(word, refused.stderr)
+
+
+class ControllerAsOnSite(OnTheController):
+    """Homing moves the axes, and the encoders are latched directly; the sensor is not connected."""
+    # Homing takes x 300 mm away, at 50 mm/s; every time that the machine was off. And few samples wait for who reads them.
+    edits = (("trueblade.ini", "\nHOME = 0\n", "\nHOME = 300\nVOLATILE_HOME = 1\n"),
+             ("trueblade.ini", "probe_virtual.hal\n", "probe_sensor.hal\n"),
+             ("probe_sensor.hal", "depth=60000", "depth=200"))
+
+    def setUp(self):
+        super().setUp()
+        self.panel("machine off")
+
+    def panel(self, *commands):
+        controller = Controller()
+        for command in ("enable EMCTOO", "set_wait received", *commands):
+            controller.say("set " + command)
+            time.sleep(0.2)  # the controller's task takes it over
+        controller.ask("get estop")  # it has read all of them
+        controller.close()
+
+    def comes_home(self):
+        home = self.machine("home")
+        self.assertEqual(home.returncode, 0, home.stderr)
+        self.assertIn("homed, at x 300.00", home.stdout)
+
+    def test_interrupted_while_homing(self):
+        self.ends_interrupted(self.started("home"))
+        self.assertIn("NO", self.machine("status").stdout)
+        self.comes_home()
+
+    def test_killed_while_homing(self):
+        process = self.started("home")
+        x_mm = x_of_the_encoder()
+        self.ends_killed(process)
+        self.assertLess(x_of_the_encoder() - x_mm, 50)
+        self.comes_home()
+
+    def test_hanging_while_homing(self):
+        process = self.started("home")
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(1.0)  # as killed, but its connections stay open
+        self.stands_still()
+        process.send_signal(signal.SIGCONT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, MACHINE_FAULT, errors)
+        self.assertIn("no sign of life", errors)
+        self.comes_home()
+
+    def test_homing_against_a_stop_that_stands(self):
+        with socket.create_connection(("127.0.0.1", 5008), timeout=10) as connection:
+            connection.sendall(b"hold\n")
+            time.sleep(0.5)
+            x_mm = x_of_the_encoder()
+            self.panel("machine on", "mode manual", "home -1")
+            time.sleep(0.5)
+            self.stands_still()
+            self.assertLess(abs(x_of_the_encoder() - x_mm), 20)
+        self.comes_home()
+
+    def test_a_move_needs_no_sensor_and_a_measurement_does(self):
+        self.comes_home()
+        jog = self.machine("jog", "--axis", "x", "--by", "-100")  # two seconds, the sensor may be silent for one
+        self.assertEqual(jog.returncode, 0, jog.stderr)
+        self.assertIn("at x 200.00", jog.stdout)
+        measured = self.machine("measure")
+        self.assertEqual(measured.returncode, MACHINE_FAULT, measured.stderr)
+        self.assertIn("the sensor is silent", measured.stderr)
+        self.assertIn("the machine is stopped", measured.stderr)
+
+    def test_samples_that_find_no_place_are_seen_as_lost(self):
+        component, = processes_of_the_loop("trueblade-hal")
+        record = subprocess.Popen([PROGRAM, "machine", "record", "--machine", self.machine_file(), "--seconds", "3", "--out",
+                                   self.folder / "samples.csv"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(1)
+        os.kill(component, signal.SIGSTOP)
+        time.sleep(0.5)
+        os.kill(component, signal.SIGCONT)
+        _, errors = record.communicate(timeout=60)
+        self.assertEqual(record.returncode, MACHINE_FAULT, errors)
+        self.assertIn("samples were lost", errors)
 
 
 def reason_to_skip():

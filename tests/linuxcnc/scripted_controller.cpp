@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <sstream>
 
@@ -74,6 +75,7 @@ void ScriptedController::serve() {
       shut(commands_);
       commands_ = ::accept(command_listener_, nullptr, nullptr);
       command_bytes_.clear();
+      late_replies_.clear();
     }
     if (entries[1].revents & POLLIN) {
       shut(stream_);
@@ -81,7 +83,7 @@ void ScriptedController::serve() {
       stream_bytes_.clear();
       wants_samples_ = expects_program_ = false;
       StreamGreeting greeting{0.001, {{-500, -500, -500, -100}, {500, 500, 500, 100}}, "/scripted.ngc"};
-      put(stream_, frame_bytes(StreamFrame::Type::greeting, greeting_payload(greeting)));
+      send_stream_answer(frame_bytes(StreamFrame::Type::greeting, greeting_payload(greeting)));
     }
     const auto take = [&](int& socket, short events, std::string& bytes) {
       if (socket < 0 || !(events & (POLLIN | POLLHUP))) return;
@@ -95,15 +97,16 @@ void ScriptedController::serve() {
     for (std::size_t end; commands_ >= 0 && (end = command_bytes_.find("\r\n")) != std::string::npos;) {
       const std::string line = command_bytes_.substr(0, end);
       command_bytes_.erase(0, end + 2);
-      if (!send_reply(commands_, answer(line))) shut(commands_);
+      if (!send_reply(answer(line))) shut(commands_);
     }
+    send_late_replies();
     while (stream_ >= 0) {
       if (expects_program_) {
         if (stream_bytes_.size() < program_bytes_) break;
         load_program(stream_bytes_.substr(0, program_bytes_));
         stream_bytes_.erase(0, program_bytes_);
         expects_program_ = false;
-        put(stream_, frame_bytes(StreamFrame::Type::program_stored, ""));
+        send_stream_answer(frame_bytes(StreamFrame::Type::program_stored, ""));
         continue;
       }
       const std::size_t end = stream_bytes_.find('\n');
@@ -115,6 +118,7 @@ void ScriptedController::serve() {
     ++present_.sequence;
     ++present_.reading;
     present_.motion_enabled = on_;
+    if (homing_left_ > 0 && --homing_left_ == 0) homed_ = true;
     const bool moves = running_ && !held_ && program_at_ < program_.size();
     if (moves) {
       LatchedSample next = program_[program_at_++];
@@ -160,12 +164,13 @@ std::string ScriptedController::answer(const std::string& line) {
   if (name == "echo") return "set echo off\r\n";
   if (name == "enable" && value != "EMCTOO") return "SET ENABLE NAK\n\r";
   if (name == "machine") on_ = true;
-  if (name == "home") homed_ = true;
+  if (name == "home") homing_left_ = 1 + misbehaviour_.homing_periods;
   if (name == "mode") mode_ = value == "auto" ? "AUTO" : "MANUAL";
   if (name == "run") running_ = true;
   if (name == "abort") {
     aborted_ = true;
     running_ = false;
+    homing_left_ = 0;
   }
   std::string upper = name;
   for (char& letter : upper) letter = static_cast<char>(std::toupper(letter));
@@ -176,11 +181,19 @@ void ScriptedController::obey_stream(const std::string& line) {
   unsigned long bytes = 0;
   if (line == "samples") {
     wants_samples_ = true;
-    put(stream_, frame_bytes(StreamFrame::Type::samples_begin, ""));
+    send_stream_answer(frame_bytes(StreamFrame::Type::samples_begin, ""));
   }
   if (line == "quiet") wants_samples_ = false;
   if (line == "hold") held_ = true;
-  if (line == "watch") held_ = false;
+  const auto now = std::chrono::steady_clock::now();
+  if (line == "watch") {
+    watched_ = true;
+    held_ = false;
+  } else if (line == "alive" || line == "release") {
+    const double silent_s = std::chrono::duration<double>(now - last_sign_).count();
+    longest_without_sign_s_ = std::max(longest_without_sign_s_.load(), silent_s);
+  }
+  if (line == "watch" || line == "alive") last_sign_ = now;
   if (std::sscanf(line.c_str(), "program %lu", &bytes) == 1) {
     program_bytes_ = bytes;
     expects_program_ = true;
@@ -217,15 +230,32 @@ void ScriptedController::load_program(const std::string& text) {
   }
 }
 
-bool ScriptedController::send_reply(int socket, const std::string& reply) {
+bool ScriptedController::send_reply(const std::string& reply) {
   const std::size_t number = replies_++;
-  if (!misbehaviour_.replies) {
-    put(socket, reply);
-    return true;
-  }
-  const auto sent = misbehaviour_.replies(number, reply);
-  if (sent) put(socket, *sent);
-  return sent.has_value();
+  const auto sent = misbehaviour_.replies ? misbehaviour_.replies(number, reply) : std::optional(reply);
+  if (!sent) return false;
+  const double delay_s = misbehaviour_.delay_s ? misbehaviour_.delay_s(number) : 0.0;
+  using Clock = std::chrono::steady_clock;
+  late_replies_.push_back(
+      {Clock::now() + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(delay_s)),
+       *sent});
+  return true;
+}
+
+void ScriptedController::send_late_replies() {
+  const auto now = std::chrono::steady_clock::now();
+  for (; !late_replies_.empty() && late_replies_.front().due <= now; late_replies_.pop_front())
+    if (commands_ >= 0) put(commands_, late_replies_.front().text);
+}
+
+void ScriptedController::send_stream_answer(const std::string& frame) {
+  const std::size_t number = stream_answers_++;
+  const auto sent =
+      misbehaviour_.stream_answers ? misbehaviour_.stream_answers(number, frame) : std::optional(frame);
+  if (sent)
+    put(stream_, *sent);
+  else
+    shut(stream_);
 }
 
 void ScriptedController::send_sample(const LatchedSample& sample, bool scripted) {
