@@ -515,7 +515,8 @@ function offsetTable() {
 function factsUnder(title) {
   const facts = element('div', {class: 'facts'});
   byId('registration').append(element('h3', {}, title), facts);
-  return (name, value) => facts.append(element('div', {}, element('span', {}, name), element('span', {}, value)));
+  const unbroken = text => text.replace(/ (mrad|\u00b5m|mm)/g, '\u00a0$1');  // a unit stays with its number
+  return (name, value) => facts.append(element('div', {}, element('span', {}, name), element('span', {}, unbroken(value))));
 }
 // What the registration of a view and that of all views have in common.
 function addRegistration(add, v) {
