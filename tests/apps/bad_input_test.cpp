@@ -319,7 +319,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"a selection that leaves nothing",
                  {"register", "--part", "two_surfaces.obj", "--unit", "cm", "--scan", "good.xyz",
                   "--scan-unit", "mm", "--out", "out", "--options", "plate_only.yaml"},
-                 {"surfaces", "fewer than three scan points"}},
+                 {"surfaces [", "points are closest to them; at least three are needed"}},
         BadInput{"no point has weight",
                  register_cube({"--scan", "no_signal.csv", "--scan-unit", "mm"}),
                  {"0 of 7 scan points have weight", "at least three"}},

@@ -132,6 +132,8 @@ TEST(Scenario, WrittenReadsBackToTheSame) {
   expect_identity(read(kSmallest));
   expect_identity(
       read("part: {demonstration: turbine_blade}\nscan: {automatic_views: {least_gain: 0.01}}\n"));
+  expect_identity(read(std::string(kSmallest) +
+                       "registration: {preset: zhu2007, acceleration: {maximum_angle_deg: 9.9}}\n"));
 }
 
 TEST(Scenario, WrittenReadsBackToTheSameWithoutADefaultLeft) {
@@ -174,7 +176,7 @@ scan:
 registration:
   preset: zhu2007
   step: {method: point_to_plane}
-  acceleration: {method: none, maximum_angle_deg: 9.9}
+  acceleration: {method: none}
   covariance: {sigma_mm: 0.003}
   lock: {freedoms: [rotation_x, translation_z], part_from_frame: {translation_mm: [0, 0, 1]}}
   surfaces: [7]
