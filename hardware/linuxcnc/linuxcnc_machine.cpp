@@ -163,13 +163,19 @@ void LinuxCncMachine::home() {
     if (is_out_of_sight(fault)) state_ = MachineState::unknown;
     throw;
   }
-  try {
+  move_watched([&] {
     set_mode("manual");
     samples_->start_samples();
     samples_->set_watch();
     state_ = MachineState::moving;
     require_set("home -1");
     follow_homing();
+  });
+}
+
+void LinuxCncMachine::move_watched(const std::function<void()>& motion) {
+  try {
+    motion();
     samples_->release_watch();
     samples_->stop_samples();
   } catch (...) {
@@ -261,7 +267,7 @@ AxisPositions LinuxCncMachine::position() const {
 void LinuxCncMachine::run_program(const Motion& motion, const std::function<bool(const LatchedSample&)>& use,
                                   const std::function<bool()>& done) {
   require_ready();
-  try {
+  move_watched([&] {
     set_mode("auto");
     samples_->store_program(motion.program);
     samples_->start_samples();
@@ -270,13 +276,7 @@ void LinuxCncMachine::run_program(const Motion& motion, const std::function<bool
     state_ = MachineState::moving;
     require_set("run");
     follow_program(motion, use, done);
-    samples_->release_watch();
-    samples_->stop_samples();
-  } catch (...) {
-    end_motion();
-    throw;
-  }
-  state_ = MachineState::idle;
+  });
 }
 
 void LinuxCncMachine::follow_program(const Motion& motion,

@@ -73,6 +73,8 @@ class LinuxCncMachine final : public MachineDriver {
   void require_ready() const;
   void switch_on();
   void follow_homing();
+  // A motion under the watch that it sets: released when it is done; ended, whatever it is, by any exception.
+  void move_watched(const std::function<void()>& motion);
   void require_within_limits(std::span<const AxisPositions> way) const;
   struct Motion {
     std::string program;

@@ -341,16 +341,19 @@ TEST(LinuxCncFault, AnswersThatAreLateButInTimeAreNoFault) {
   }
 }
 
+void expect_end_by_the_time_out(const Outcome& outcome) {
+  ASSERT_TRUE(outcome.kind);
+  EXPECT_EQ(*outcome.kind, Kind::connection) << outcome.words;
+  EXPECT_LT(outcome.took_s, 4.0);
+}
+
 TEST(LinuxCncFault, AnAnswerLaterThanTheTimeOut) {
   const std::size_t replies = answers_of_a_whole_scan().replies;
   for (const std::size_t step : {std::size_t{0}, std::size_t{9}, replies / 2, replies - 3}) {
     SCOPED_TRACE(step);
     Misbehaviour misbehaviour;
     misbehaviour.delay_s = [=](std::size_t n) { return n == step ? 0.7 : 0.0; };
-    const Outcome outcome = fault_then_resume(misbehaviour);
-    ASSERT_TRUE(outcome.kind);
-    EXPECT_EQ(*outcome.kind, Kind::connection) << outcome.words;
-    EXPECT_LT(outcome.took_s, 4.0);
+    expect_end_by_the_time_out(fault_then_resume(misbehaviour));
   }
 }
 
@@ -364,10 +367,7 @@ TEST(LinuxCncFault, HalfALineAndSilenceEndByTheTimeOut) {
         if (n != step) return reply;
         return way == std::string("half") ? reply.substr(0, reply.size() / 2) : "";
       };
-      const Outcome outcome = fault_then_resume(misbehaviour);
-      ASSERT_TRUE(outcome.kind);
-      EXPECT_EQ(*outcome.kind, Kind::connection) << outcome.words;
-      EXPECT_LT(outcome.took_s, 4.0);
+      expect_end_by_the_time_out(fault_then_resume(misbehaviour));
     }
   }
 }
