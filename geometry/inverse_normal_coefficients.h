@@ -8,11 +8,13 @@
 namespace trueblade::ppnd16 {
 
 // For |p - 1/2| <= kCentral, in r = kCentral^2 - (p - 1/2)^2: kA / kB. In the tails, in r = sqrt(-log(tail)):
-// up to r = kNearTail in r - 1.6, kC / kD; beyond in r - kNearTail, kE / kF.
+// up to r = 5 in r - kNearTailOrigin, kC / kD; beyond, below a tail of kFarTail, in r - kFarTailOrigin, kE /
+// kF.
 inline constexpr double kCentral = 0.425;
 inline constexpr double kCentralSquared = 0.180625;
-inline constexpr double kNearTail = 5.0;
 inline constexpr double kNearTailOrigin = 1.6;
+inline constexpr double kFarTail = 1.388794386496402e-11;  // exp(-25)
+inline constexpr double kFarTailOrigin = 5.0;
 
 inline constexpr std::array<double, 8> kA{
     3.3871328727963666080e0,  1.3314166789178437745e+2, 1.9715909503065514427e+3, 1.3731693765509461125e+4,

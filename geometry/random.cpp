@@ -7,8 +7,8 @@
 namespace trueblade {
 namespace {
 
-std::array<std::uint64_t, 4> philox_block(std::uint64_t seed, std::uint64_t trial, std::uint64_t stream,
-                                          std::uint64_t block) {
+inline std::array<std::uint64_t, 4> philox_block(std::uint64_t seed, std::uint64_t trial,
+                                                 std::uint64_t stream, std::uint64_t block) {
   const r123::Philox4x64 philox;
   const auto words = philox({{block, stream, 0, 0}}, {{seed, trial}});
   return {words[0], words[1], words[2], words[3]};
@@ -44,9 +44,12 @@ double Rng::uniform() {
   return uniform_of(bits());
 }
 
-std::array<double, 4> Rng::uniforms_of_block(std::uint64_t block) const {
-  const auto words = philox_block(seed_, trial_, stream_, block);
-  return {uniform_of(words[0]), uniform_of(words[1]), uniform_of(words[2]), uniform_of(words[3])};
+void Rng::uniforms_of_blocks(std::uint64_t first, std::uint64_t stride, std::size_t count,
+                             std::span<double> uniforms) const {
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto words = philox_block(seed_, trial_, stream_, first + k * stride);
+    for (std::size_t word = 0; word < 4; ++word) uniforms[word * count + k] = uniform_of(words[word]);
+  }
 }
 
 double Rng::normal() {

@@ -29,8 +29,11 @@ class Rng {
   double normal();       // standard normal, by the inverse distribution function: one uniform, one deviate
   Vec3 normal_vector();  // three independent standard normals
 
-  // The uniforms number 4 block to 4 block + 3, wherever the stream stands: what many draws are cheapest in.
-  std::array<double, 4> uniforms_of_block(std::uint64_t block) const;
+  // The uniforms of blocks `first`, first + stride, ..., wherever the stream stands: what many draws are
+  // cheapest in. Block b holds the draws number 4 b to 4 b + 3. uniforms[word * count + k] is draw `word` of
+  // the k-th block. Precondition: uniforms.size() == 4 * count.
+  void uniforms_of_blocks(std::uint64_t first, std::uint64_t stride, std::size_t count,
+                          std::span<double> uniforms) const;
 
  private:
   // Philox key (seed, trial), counter (index / 4, stream, 0, 0); the draw is word index % 4 of its block.

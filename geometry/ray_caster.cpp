@@ -14,6 +14,7 @@
 
 #include "geometry/closest_point.h"
 #include "geometry/facet_edges.h"
+#include "geometry/spatial_order.h"
 #include "geometry/triangle.h"
 
 namespace trueblade {
@@ -65,11 +66,23 @@ Interval inside(const Eigen::AlignedBox3d& box, const Ray& ray) {
   return interval;
 }
 
+// Facets in an order in which those beside each other in space are beside each other in memory: rays that
+// follow each other then find what they need in the caches.
+std::vector<std::uint32_t> order_in_space(const FacetModel& model) {
+  std::vector<Vec3> middles_mm(model.facet_count());
+  for (std::uint32_t facet = 0; facet < middles_mm.size(); ++facet) {
+    const auto corners = model.corners_mm(facet);
+    middles_mm[facet] = (corners[0] + corners[1] + corners[2]) / 3.0;
+  }
+  return spatial_order(middles_mm);
+}
+
 // Facets between welded nodes, so that facets are neighbours wherever they share an edge in space.
-std::vector<std::array<std::uint32_t, 3>> welded_facets(const FacetModel& model) {
-  std::vector<std::array<std::uint32_t, 3>> facets(model.facet_count());
-  for (std::uint32_t facet = 0; facet < facets.size(); ++facet)
-    for (int k = 0; k < 3; ++k) facets[facet][k] = model.welded_node(model.facet_nodes(facet)[k]);
+std::vector<std::array<std::uint32_t, 3>> welded_facets(const FacetModel& model,
+                                                        std::span<const std::uint32_t> order) {
+  std::vector<std::array<std::uint32_t, 3>> facets(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i)
+    for (int k = 0; k < 3; ++k) facets[i][k] = model.welded_node(model.facet_nodes(order[i])[k]);
   return facets;
 }
 
@@ -78,6 +91,7 @@ struct alignas(64) FacetInSpace {
   std::array<Vec3, 3> corners_mm;
   Vec3 area_mm2;  // twice the area times the normal
   Vec3 normal;
+  std::uint32_t number;  // in the model
 };
 
 // A ray as Embree takes it.
@@ -102,11 +116,14 @@ RTCRayHit query_of(const SceneRay& ray) {
   return query;
 }
 
-// Rays that Embree takes at once.
-constexpr std::size_t kPacket = 8;
+// Rays that Embree takes at once, and rays whose facets are fetched from memory before the first is looked
+// at.
+constexpr std::size_t kPacket = 16;
+constexpr std::size_t kTogether = 64;
 
 }  // namespace
 
+// Facets are numbered here in the order of order_in_space.
 struct RayCaster::Impl {
   std::vector<FacetInSpace> facets;
   FacetEdges edges;                                         // between welded nodes
@@ -123,6 +140,10 @@ struct RayCaster::Impl {
   // Nothing where the ray passes by the box.
   std::optional<SceneRay> in_scene(const Ray& ray, double min_range_mm, double max_range_mm) const;
 
+  // The facets that Embree gives for up to kPacket rays, or RTC_INVALID_GEOMETRY_ID; they are on their way
+  // from memory then.
+  void facets_of_packet(std::span<const std::optional<SceneRay>> rays, std::uint32_t* facets_met) const;
+
   // From the facet that Embree gave, or RTC_INVALID_GEOMETRY_ID, to the hit.
   std::optional<RayHit> first_hit(const Ray& ray, const SceneRay& scene_ray, std::uint32_t facet_of_embree,
                                   double min_range_mm, double max_range_mm) const;
@@ -135,6 +156,9 @@ struct RayCaster::Impl {
     double miss_mm;                // how far outside it passes; 0 inside or within rounding of an edge
   };
   LocalHit hit_on_facet(const Ray& ray, std::uint32_t facet) const;
+  RayHit hit_of(std::uint32_t facet, const LocalHit& hit) const {
+    return {hit.range_mm, facets[facet].number, facets[facet].normal, {hit.weight[1], hit.weight[2]}};
+  }
   std::optional<RayHit> hit_near_facet(const Ray& ray, std::uint32_t facet, double min_range_mm,
                                        double max_range_mm) const;
 
@@ -148,11 +172,13 @@ struct RayCaster::Impl {
   static void reject_in_double(const RTCFilterFunctionNArguments* arguments);
 
  private:
-  Impl(const FacetModel& model, std::span<const std::array<std::uint32_t, 3>> nodes_of_facet);
+  Impl(const FacetModel& model, std::span<const std::uint32_t> order);
+  Impl(const FacetModel& model, std::span<const std::uint32_t> order,
+       std::span<const std::array<std::uint32_t, 3>> nodes_of_facet);
 };
 
 RayCaster::Impl::LocalHit RayCaster::Impl::hit_on_facet(const Ray& ray, std::uint32_t facet) const {
-  const auto& [corners, area, normal] = facets[facet];
+  const auto& [corners, area, normal, number] = facets[facet];
   const double facing = area.dot(ray.direction);
   // Seen edge-on it has no range (no number: that fails every comparison), and the search goes on all around.
   if (facing == 0.0) return {std::numeric_limits<double>::quiet_NaN(), {}, {true, true, true}, 0.0};
@@ -185,7 +211,14 @@ RayCaster::Impl::LocalHit RayCaster::Impl::hit_on_facet(const Ray& ray, std::uin
 // nearest one counts: a surface must not leak.
 std::optional<RayHit> RayCaster::Impl::hit_near_facet(const Ray& ray, std::uint32_t facet,
                                                       double min_range_mm, double max_range_mm) const {
-  std::array<std::uint32_t, kMostCandidates> candidates{facet};
+  // Mostly the ray passes clearly inside: then there is nothing to search.
+  const LocalHit at_once = hit_on_facet(ray, facet);
+  if (!at_once.beyond[0] && !at_once.beyond[1] && !at_once.beyond[2] && at_once.range_mm >= min_range_mm &&
+      at_once.range_mm <= max_range_mm)
+    return hit_of(facet, at_once);
+
+  std::array<std::uint32_t, kMostCandidates> candidates;
+  candidates[0] = facet;
   std::size_t count = 1;
   const auto add = [&](std::uint32_t next) {
     const auto end = candidates.begin() + static_cast<std::ptrdiff_t>(count);
@@ -203,14 +236,14 @@ std::optional<RayHit> RayCaster::Impl::hit_near_facet(const Ray& ray, std::uint3
       for (const EdgeUse& use : edges.uses(edge_of_facet[candidate][k])) add(use.facet);
     }
     if (!(hit.range_mm >= min_range_mm && hit.range_mm <= max_range_mm)) continue;
-    if (best == kNoFacet || std::tie(hit.miss_mm, hit.range_mm, candidate) <
-                                std::tie(best_hit.miss_mm, best_hit.range_mm, best)) {
+    if (best == kNoFacet || std::tie(hit.miss_mm, hit.range_mm, facets[candidate].number) <
+                                std::tie(best_hit.miss_mm, best_hit.range_mm, facets[best].number)) {
       best = candidate;
       best_hit = hit;
     }
   }
   if (best == kNoFacet || (best_hit.miss_mm > 0.0 && count < kMostCandidates)) return std::nullopt;
-  return RayHit{best_hit.range_mm, best, facets[best].normal, {best_hit.weight[1], best_hit.weight[2]}};
+  return hit_of(best, best_hit);
 }
 
 void RayCaster::Impl::reject_in_double(const RTCFilterFunctionNArguments* arguments) {
@@ -248,16 +281,21 @@ void RayCaster::Impl::build_scene(const FacetModel& model,
   if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw std::bad_alloc();
 }
 
-RayCaster::Impl::Impl(const FacetModel& model) : Impl(model, welded_facets(model)) {}
+RayCaster::Impl::Impl(const FacetModel& model) : Impl(model, order_in_space(model)) {}
 
-RayCaster::Impl::Impl(const FacetModel& model, std::span<const std::array<std::uint32_t, 3>> nodes_of_facet)
+RayCaster::Impl::Impl(const FacetModel& model, std::span<const std::uint32_t> order)
+    : Impl(model, order, welded_facets(model, order)) {}
+
+RayCaster::Impl::Impl(const FacetModel& model, std::span<const std::uint32_t> order,
+                      std::span<const std::array<std::uint32_t, 3>> nodes_of_facet)
     : edges(nodes_of_facet, model.node_count()), edge_of_facet(nodes_of_facet.size()) {
   facets.reserve(nodes_of_facet.size());
-  for (const auto& nodes : nodes_of_facet) {
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto& nodes = nodes_of_facet[i];
     const std::array<Vec3, 3> corners{model.node_mm(nodes[0]), model.node_mm(nodes[1]),
                                       model.node_mm(nodes[2])};
     const Vec3 area = triangle_area_vector(corners[0], corners[1], corners[2]);
-    facets.push_back({corners, area, area.stableNormalized()});
+    facets.push_back({corners, area, area.stableNormalized(), order[i]});
   }
   for (std::uint32_t edge = 0; edge < edges.size(); ++edge)
     for (const EdgeUse& use : edges.uses(edge)) edge_of_facet[use.facet][use.edge] = edge;
@@ -300,6 +338,38 @@ std::optional<RayHit> RayCaster::Impl::first_hit(const Ray& ray, const SceneRay&
   return hit_near_facet(ray, filtered.hit.primID, min_range_mm, max_range_mm);
 }
 
+void RayCaster::Impl::facets_of_packet(std::span<const std::optional<SceneRay>> rays,
+                                       std::uint32_t* facets_met) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  alignas(64) std::array<int, kPacket> valid{};
+  alignas(64) RTCRayHit16 query{};
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
+    if (!rays[k]) continue;
+    valid[k] = -1;
+    query.ray.org_x[k] = rays[k]->origin.x();
+    query.ray.org_y[k] = rays[k]->origin.y();
+    query.ray.org_z[k] = rays[k]->origin.z();
+    query.ray.dir_x[k] = rays[k]->direction.x();
+    query.ray.dir_y[k] = rays[k]->direction.y();
+    query.ray.dir_z[k] = rays[k]->direction.z();
+    query.ray.tnear[k] = rays[k]->near;
+    query.ray.tfar[k] = rays[k]->far;
+    query.ray.mask[k] = 0xffffffffu;
+  }
+  rtcIntersect16(valid.data(), scene.get(), &context, &query);
+  for (std::size_t k = 0; k < rays.size(); ++k) {
+    facets_met[k] = query.hit.primID[k];
+    if (facets_met[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    const char* const facet = reinterpret_cast<const char*>(&facets[facets_met[k]]);
+    __builtin_prefetch(facet);
+    __builtin_prefetch(facet + 64);
+  }
+}
+
 RayCaster::RayCaster(const FacetModel& model) : impl_(std::make_unique<Impl>(model)) {}
 RayCaster::~RayCaster() = default;
 RayCaster::RayCaster(RayCaster&&) noexcept = default;
@@ -317,40 +387,17 @@ std::optional<RayHit> RayCaster::first_hit(const Ray& ray, double min_range_mm, 
 
 void RayCaster::first_hits(std::span<const Ray> rays, double min_range_mm, double max_range_mm,
                            std::span<std::optional<RayHit>> hits) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  for (std::size_t begin = 0; begin < rays.size(); begin += kPacket) {
-    const std::size_t count = std::min(kPacket, rays.size() - begin);
-    alignas(32) std::array<int, kPacket> valid{};
-    alignas(32) RTCRayHit8 query{};
-    std::array<std::optional<SceneRay>, kPacket> scene_rays;
-    for (std::size_t k = 0; k < count; ++k) {
+  std::array<std::optional<SceneRay>, kTogether> scene_rays;
+  std::array<std::uint32_t, kTogether> facets;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kTogether) {
+    const std::size_t count = std::min(kTogether, rays.size() - begin);
+    for (std::size_t k = 0; k < count; ++k)
       scene_rays[k] = impl_->in_scene(rays[begin + k], min_range_mm, max_range_mm);
-      query.hit.primID[k] = RTC_INVALID_GEOMETRY_ID;
-      query.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID;
-      if (!scene_rays[k]) continue;
-      valid[k] = -1;
-      query.ray.org_x[k] = scene_rays[k]->origin.x();
-      query.ray.org_y[k] = scene_rays[k]->origin.y();
-      query.ray.org_z[k] = scene_rays[k]->origin.z();
-      query.ray.dir_x[k] = scene_rays[k]->direction.x();
-      query.ray.dir_y[k] = scene_rays[k]->direction.y();
-      query.ray.dir_z[k] = scene_rays[k]->direction.z();
-      query.ray.tnear[k] = scene_rays[k]->near;
-      query.ray.tfar[k] = scene_rays[k]->far;
-      query.ray.mask[k] = 0xffffffffu;
-    }
-    rtcIntersect8(valid.data(), impl_->scene.get(), &context, &query);
-    // The facets of all eight are on their way from memory before the first is looked at.
+    for (std::size_t packet = 0; packet < count; packet += kPacket)
+      impl_->facets_of_packet(std::span(scene_rays).subspan(packet, std::min(kPacket, count - packet)),
+                              facets.data() + packet);
     for (std::size_t k = 0; k < count; ++k)
-      if (query.hit.primID[k] != RTC_INVALID_GEOMETRY_ID) {
-        const char* const facet = reinterpret_cast<const char*>(&impl_->facets[query.hit.primID[k]]);
-        __builtin_prefetch(facet);
-        __builtin_prefetch(facet + 64);
-      }
-    for (std::size_t k = 0; k < count; ++k)
-      hits[begin + k] = scene_rays[k] ? impl_->first_hit(rays[begin + k], *scene_rays[k], query.hit.primID[k],
+      hits[begin + k] = scene_rays[k] ? impl_->first_hit(rays[begin + k], *scene_rays[k], facets[k],
                                                          min_range_mm, max_range_mm)
                                       : std::nullopt;
   }

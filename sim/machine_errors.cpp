@@ -117,15 +117,21 @@ void draw_errors(const MachineErrors& errors, std::span<const ErrorSource> sourc
   const auto place = [&](std::size_t s) {
     return replicate_start(errors[sources[s]].replicate) + static_cast<std::uint64_t>(sources[s]);
   };
+  // Indices whose uniforms are drawn together: a block's stay in the nearest cache.
+  constexpr std::size_t kTogether = 64;
+  std::array<double, 4 * kTogether> uniforms;
   for (std::size_t begin = 0, end = 0; begin < sources.size(); begin = end) {
     bool drawn = false;
     for (end = begin; end < sources.size() && place(end) / 4 == place(begin) / 4; ++end)
       drawn = drawn || errors[sources[end]].sigma != 0.0;
     // Without a draw the deviate of the middle, 0, does.
     if (!drawn) std::fill_n(values.data() + begin * count, (end - begin) * count, 0.5);
-    for (std::size_t k = 0; k < count && drawn; ++k) {
-      const auto uniforms = stream.uniforms_of_block(place(begin) / 4 + (first + k) * (kPlacesPerIndex / 4));
-      for (std::size_t s = begin; s < end; ++s) values[s * count + k] = uniforms[place(s) % 4];
+    for (std::size_t k = 0; k < count && drawn; k += kTogether) {
+      const std::size_t together = std::min(kTogether, count - k);
+      stream.uniforms_of_blocks(place(begin) / 4 + (first + k) * (kPlacesPerIndex / 4), kPlacesPerIndex / 4,
+                                together, std::span(uniforms).first(4 * together));
+      for (std::size_t s = begin; s < end; ++s)
+        std::copy_n(uniforms.data() + place(s) % 4 * together, together, values.data() + s * count + k);
     }
   }
   inverse_normal(values);

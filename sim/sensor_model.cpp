@@ -15,6 +15,14 @@ void require_within(const char* name, double value, double low, double high) {
     throw InputError(fmt::format("sensor: {} is {}, must be within {} and {}", name, value, low, high));
 }
 
+// Steeper than the lens's maximum. The cosine is below the first terms of its series, so that most points
+// need no cosine.
+bool is_beyond_incidence(const Lens& lens, double incidence_cosine) {
+  const double square = lens.max_incidence_rad * lens.max_incidence_rad;
+  if (incidence_cosine >= 1.0 - square * (0.5 - square / 24.0)) return false;
+  return incidence_cosine < std::cos(lens.max_incidence_rad);
+}
+
 }  // namespace
 
 SurfaceFinish matt_finish() {
@@ -98,8 +106,7 @@ SensorReading read_sensor(const SensorModel& model, const Lens& lens, double tru
   const double signal = contrast * mean_signal(model, lens, offset_mm, incidence_cosine) *
                         std::exp(model.speckle * (speckle_deviate + model.speckle));
   reading.snr = signal_to_noise(model, signal);
-  if (incidence_cosine < std::cos(lens.max_incidence_rad) || signal <= 0.0 ||
-      reading.snr < model.missed_snr) {
+  if (is_beyond_incidence(lens, incidence_cosine) || signal <= 0.0 || reading.snr < model.missed_snr) {
     reading.snr = 0.0;
     reading.flags.missed = true;
     return reading;

@@ -152,7 +152,10 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
   if (path.empty()) return 0;
   true_machine_.begin_line(line_++, path.front().theta_rad);
 
-  std::vector<AxisState> at(path.size());
+  at_samples_.resize(path.size());
+  measured_.resize(path.size());
+  const std::span<AxisState> at = at_samples_;
+  const std::span<VirtualMeasurement> measured = measured_;
   double time_s = clock_s_;
   for (std::size_t k = 0; k < path.size(); ++k) {
     const AxisPositions& before = k == 0 ? at_ : path[k - 1];
@@ -160,10 +163,9 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
     time_s += interval_s;
     at[k] = {path[k], mean_velocity(before, path[k], interval_s), time_s};
   }
-  std::vector<VirtualMeasurement> measured(path.size());
   parallel_for_blocks(path.size(), kPointsTogether, [&](std::size_t begin, std::size_t end) {
-    measure_at(part_, setup_, true_machine_, sensor_stream_, std::span(at).subspan(begin, end - begin),
-               point_ + begin, std::span(measured).subspan(begin, end - begin));
+    measure_at(part_, setup_, true_machine_, sensor_stream_, at.subspan(begin, end - begin), point_ + begin,
+               measured.subspan(begin, end - begin));
   });
 
   std::size_t delivered = 0;

@@ -93,6 +93,9 @@ class SimulatedMachine final : public MachineDriver {
   double clock_s_ = 0.0;
   std::uint64_t view_ = 0, line_ = 0, point_ = 0;  // running numbers: the keys of the draws
   std::vector<std::optional<TrueHit>> hits_;
+  // Of the line being scanned; kept, so that a line finds the memory of the one before.
+  std::vector<AxisState> at_samples_;
+  std::vector<VirtualMeasurement> measured_;
 };
 
 }  // namespace trueblade

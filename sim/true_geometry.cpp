@@ -1,5 +1,7 @@
 #include "sim/true_geometry.h"
 
+#include <algorithm>
+
 namespace trueblade {
 namespace {
 
@@ -48,22 +50,56 @@ RigidTransform true_stage_from_axis(const MachineGeometry& nominal, const ErrorV
 
 }  // namespace
 
-RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisPositions& axes,
-                                     const ErrorValues& errors, double drift_time_s) {
+TrueProbeChain true_probe_chain(const MachineGeometry& nominal, const ErrorValues& errors) {
   const Mat3 directions = axis_directions(nominal);
   const Mat3 true_directions = true_axis_directions(directions, errors);
-  const std::array<double, 3> travel_mm{axes.x_mm, axes.y_mm, axes.z_mm};
 
-  RigidTransform stage_from_carriage = shift(drift_time_s * values_of(errors, drift_x, drift_y, drift_z));
+  TrueProbeChain chain{Eigen::Quaterniond::Identity(), Vec3::Zero(), {}, {}, {}, {}};
   for (const LinearAxis axis : nominal.linear_axis_order) {
     const auto k = static_cast<std::size_t>(axis);
     const AxisErrorSources& e = kLinearAxisErrors[k];
-    stage_from_carriage =
-        stage_from_carriage * shift(travel_mm[k] * true_directions.col(static_cast<Eigen::Index>(k))) *
-        small_motion(directions, values_of(errors, e.x, e.y, e.z), values_of(errors, e.a, e.b, e.c));
+    chain.origin_per_travel.col(static_cast<Eigen::Index>(k)) =
+        chain.rotation * true_directions.col(static_cast<Eigen::Index>(k));
+    chain.origin_per_axis_shift[k] = chain.rotation * directions;
+    chain.origin_at_zero_mm += chain.origin_per_axis_shift[k] * values_of(errors, e.x, e.y, e.z);
+    chain.rotation = chain.rotation * rotation_from_vector(directions * values_of(errors, e.a, e.b, e.c));
   }
-  return stage_from_carriage * nominal.stage_from_probe_at_zero *
-         shift(values_of(errors, probe_x, probe_y, probe_z));
+  chain.origin_at_zero_mm += chain.rotation * nominal.stage_from_probe_at_zero.translation_mm;
+  chain.rotation = (chain.rotation * nominal.stage_from_probe_at_zero.rotation).normalized();
+  chain.origin_per_probe_shift = chain.rotation.toRotationMatrix();
+  chain.origin_at_zero_mm += chain.origin_per_probe_shift * values_of(errors, probe_x, probe_y, probe_z);
+  chain.origin_per_s_mm = values_of(errors, drift_x, drift_y, drift_z);
+  return chain;
+}
+
+bool is_shift_of_probe(ErrorSource source) {
+  const auto is_of = [&](const AxisErrorSources& e) {
+    return source == e.x || source == e.y || source == e.z;
+  };
+  return (source >= probe_x && source <= probe_z) || std::ranges::any_of(kLinearAxisErrors, is_of);
+}
+
+Vec3 origin_per_value(const TrueProbeChain& chain, ErrorSource source) {
+  if (source >= probe_x && source <= probe_z)
+    return chain.origin_per_probe_shift.col(static_cast<int>(source) - static_cast<int>(probe_x));
+  for (std::size_t k = 0; k < kLinearAxisErrors.size(); ++k) {
+    const AxisErrorSources& e = kLinearAxisErrors[k];
+    if (source == e.x) return chain.origin_per_axis_shift[k].col(0);
+    if (source == e.y) return chain.origin_per_axis_shift[k].col(1);
+    if (source == e.z) return chain.origin_per_axis_shift[k].col(2);
+  }
+  return Vec3::Zero();
+}
+
+RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisPositions& axes,
+                                     const ErrorValues& errors, double drift_time_s) {
+  const TrueProbeChain chain = true_probe_chain(nominal, errors);
+  RigidTransform stage_from_probe;
+  stage_from_probe.rotation = chain.rotation;
+  stage_from_probe.translation_mm = chain.origin_at_zero_mm +
+                                    chain.origin_per_travel * Vec3(axes.x_mm, axes.y_mm, axes.z_mm) +
+                                    drift_time_s * chain.origin_per_s_mm;
+  return stage_from_probe;
 }
 
 RigidTransform true_stage_from_mcs(const MachineGeometry& nominal, double theta_rad,

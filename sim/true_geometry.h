@@ -17,10 +17,28 @@
 // their rotation vector.
 #pragma once
 
+#include <array>
+
 #include "hardware/machine_geometry.h"
 #include "sim/machine_errors.h"
 
 namespace trueblade {
+
+// The true stage_from_probe while the errors stand still: one orientation, and an origin that is linear in
+// travel, in time and in those errors that shift the probe.
+struct TrueProbeChain {
+  Eigen::Quaterniond rotation;
+  Vec3 origin_at_zero_mm;       // x = y = z = 0, time 0
+  Mat3 origin_per_travel;       // columns: per mm of x, y, z
+  Vec3 origin_per_s_mm;         // thermal drift
+  Mat3 origin_per_probe_shift;  // columns: per mm of probe_x, probe_y, probe_z
+  // By axis, columns: per mm of its positioning and straightness errors along x, y, z.
+  std::array<Mat3, 3> origin_per_axis_shift;
+};
+TrueProbeChain true_probe_chain(const MachineGeometry& nominal, const ErrorValues& errors);
+// What 1 mm more of `source` adds to the origin: 0 for sources that are no shift of the probe.
+Vec3 origin_per_value(const TrueProbeChain& chain, ErrorSource source);
+bool is_shift_of_probe(ErrorSource source);
 
 // `drift_time_s`: how long the thermal drift has gone on.
 RigidTransform true_stage_from_probe(const MachineGeometry& nominal, const AxisPositions& axes,

@@ -1,10 +1,7 @@
 #include "sim/true_machine.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-
-#include "sim/true_geometry.h"
 
 namespace trueblade {
 namespace {
@@ -16,13 +13,6 @@ bool is_active(const GaussianError& error) {
 bool is_of_table(ErrorSource source) {
   return (source >= ErrorSource::part_x && source <= ErrorSource::fixture_c) ||
          (source >= ErrorSource::exc && source <= ErrorSource::boc);
-}
-
-// Shifts of the probe: they move the origin of the beam in proportion, and nothing else.
-bool is_shift_of_probe(ErrorSource source) {
-  const auto within = [&](ErrorSource first, ErrorSource last) { return source >= first && source <= last; };
-  return within(ErrorSource::probe_x, ErrorSource::probe_z) || within(ErrorSource::exx, ErrorSource::ezx) ||
-         within(ErrorSource::exy, ErrorSource::ezy) || within(ErrorSource::exz, ErrorSource::ezz);
 }
 
 bool turns_probe(ErrorSource source) {
@@ -72,38 +62,20 @@ void TrueMachine::begin_line(std::uint64_t index, double theta_rad) {
 
 void TrueMachine::work_out(double theta_rad) {
   if (!probe_turns_) {
-    // The chain is linear: one evaluation per variable tells all of it, each from 1 m or 1 h, so that the
-    // difference keeps its digits.
-    constexpr double kFar = 1000.0, kLong = 3600.0;
-    const auto at = [&](const AxisPositions& axes, const ErrorValues& values, double time_s) {
-      return true_stage_from_probe(nominal_, axes, values, time_s);
-    };
-    const RigidTransform zero = at({}, values_, 0.0);
-    SteadyChain chain;
-    chain.origin_at_zero_mm = zero.translation_mm;
-    const auto slope = [&](const RigidTransform& far, double distance) {
-      return Vec3((far.translation_mm - zero.translation_mm) / distance);
-    };
-    chain.origin_per_travel.col(0) = slope(at({kFar, 0, 0, 0}, values_, 0.0), kFar);
-    chain.origin_per_travel.col(1) = slope(at({0, kFar, 0, 0}, values_, 0.0), kFar);
-    chain.origin_per_travel.col(2) = slope(at({0, 0, kFar, 0}, values_, 0.0), kFar);
-    chain.origin_per_s = slope(at({}, values_, kLong), kLong);
-    for (const ErrorSource source : per_point_) {
-      ErrorValues shifted = values_;
-      shifted[source] = kFar;
-      chain.origin_per_value.push_back(is_shift_of_probe(source) ? slope(at({}, shifted, 0.0), kFar)
-                                                                 : Vec3(Vec3::Zero()));
-    }
-    chain.beam_in_stage = zero.rotation * true_beam_direction(nominal_, values_);
-    chain_ = chain;
+    const TrueProbeChain chain = true_probe_chain(nominal_, values_);
+    std::vector<Vec3> per_value;
+    for (const ErrorSource source : per_point_) per_value.push_back(origin_per_value(chain, source));
+    probe_ =
+        SteadyProbe{chain, std::move(per_value), chain.rotation * true_beam_direction(nominal_, values_)};
   }
   if (!table_varies_) table_ = SteadyTable{theta_rad, part_from_stage(theta_rad, values_)};
 }
 
-RigidTransform TrueMachine::part_from_stage(double theta_rad, const ErrorValues& values) const {
-  return (true_stage_from_mcs(nominal_, theta_rad, values) *
-          true_mcs_from_part(nominal_mcs_from_part_, mcs_from_fixture_, values))
-      .inverse();
+TrueMachine::Table TrueMachine::part_from_stage(double theta_rad, const ErrorValues& values) const {
+  const RigidTransform transform = (true_stage_from_mcs(nominal_, theta_rad, values) *
+                                    true_mcs_from_part(nominal_mcs_from_part_, mcs_from_fixture_, values))
+                                       .inverse();
+  return {transform.rotation.toRotationMatrix(), transform.translation_mm};
 }
 
 TrueMachine::Beam TrueMachine::beam_at(const AxisState& at, std::uint64_t point) const {
@@ -119,54 +91,71 @@ void TrueMachine::beams_at(std::span<const AxisState> at, std::uint64_t first_po
     const std::size_t count = std::min(kPointsTogether, at.size() - begin);
     const std::span<double> drawn(draws.data(), per_point_.size() * count);
     draw_errors(errors_, per_point_, point_stream_, first_point + begin, count, drawn);
-    for (std::size_t k = 0; k < count; ++k)
-      beams[begin + k] = beam_with(at[begin + k], drawn.subspan(k), count);
+    beams_with(at.subspan(begin, count), drawn, beams.subspan(begin, count));
   }
 }
 
-TrueMachine::Beam TrueMachine::beam_with(const AxisState& at, std::span<const double> drawn,
-                                         std::size_t stride) const {
-  // All the errors of this point, for what is not steady.
-  const auto values = [&] {
-    ErrorValues all = values_;
-    for (std::size_t s = 0; s < per_point_.size(); ++s) all[per_point_[s]] = drawn[s * stride];
-    return all;
-  };
-  const auto value = [&](ErrorSource source, std::optional<std::size_t> drawn_as) {
-    return drawn_as ? drawn[*drawn_as * stride] : values_[source];
-  };
-  const double late_s = value(ErrorSource::time_base, time_base_drawn_as_);
-  const AxisPositions axes{at.axes.x_mm + late_s * at.velocity_per_s.x_mm,
-                           at.axes.y_mm + late_s * at.velocity_per_s.y_mm,
-                           at.axes.z_mm + late_s * at.velocity_per_s.z_mm,
-                           at.axes.theta_rad + late_s * at.velocity_per_s.theta_rad};
+ErrorValues TrueMachine::errors_of(std::span<const double> drawn, std::size_t count, std::size_t k) const {
+  ErrorValues all = values_;
+  for (std::size_t s = 0; s < per_point_.size(); ++s) all[per_point_[s]] = drawn[s * count + k];
+  return all;
+}
 
-  Vec3 origin_stage_mm, beam_stage;
-  if (chain_) {
-    origin_stage_mm = chain_->origin_at_zero_mm +
-                      chain_->origin_per_travel * Vec3(axes.x_mm, axes.y_mm, axes.z_mm) +
-                      at.time_s * chain_->origin_per_s;
-    for (std::size_t s = 0; s < per_point_.size(); ++s)
-      origin_stage_mm += drawn[s * stride] * chain_->origin_per_value[s];
-    beam_stage = chain_->beam_in_stage;
-  } else {
-    const ErrorValues now = values();
-    const RigidTransform chain = true_stage_from_probe(nominal_, axes, now, at.time_s);
-    origin_stage_mm = chain.translation_mm;
-    beam_stage = chain.rotation * true_beam_direction(nominal_, now);
+void TrueMachine::beams_with(std::span<const AxisState> at, std::span<const double> drawn,
+                             std::span<Beam> beams) const {
+  const std::size_t count = at.size();
+  const auto value = [&](ErrorSource source, std::optional<std::size_t> drawn_as, std::size_t k) {
+    return drawn_as ? drawn[*drawn_as * count + k] : values_[source];
+  };
+
+  // Component by component through all points: the compiler makes vectors of it.
+  std::array<std::array<double, kPointsTogether>, 3> shift_mm{};
+  if (probe_)
+    for (std::size_t s = 0; s < per_point_.size(); ++s) {
+      if (!is_shift_of_probe(per_point_[s])) continue;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const double per_value = probe_->origin_per_value[s][static_cast<Eigen::Index>(axis)];
+        const double* const values = drawn.data() + s * count;
+        for (std::size_t k = 0; k < count; ++k) shift_mm[axis][k] += per_value * values[k];
+      }
+    }
+
+  const Mat3 directions = axis_directions(nominal_);
+  const Vec3 steady_beam =
+      probe_ && table_ ? Vec3(table_->part_from_stage.rotation * probe_->beam_in_stage) : Vec3(Vec3::Zero());
+  for (std::size_t k = 0; k < count; ++k) {
+    const double late_s = value(ErrorSource::time_base, time_base_drawn_as_, k);
+    const AxisPositions& reported = at[k].axes;
+    const AxisPositions& speed = at[k].velocity_per_s;
+    const Vec3 velocity_mm_per_s(speed.x_mm, speed.y_mm, speed.z_mm);
+    const Vec3 travel_mm = Vec3(reported.x_mm, reported.y_mm, reported.z_mm) + late_s * velocity_mm_per_s;
+    const double theta_rad = reported.theta_rad + late_s * speed.theta_rad;
+    const bool table_stands = table_ && table_->theta_rad == theta_rad;
+    const Table part_from_stage_now =
+        table_stands ? table_->part_from_stage : part_from_stage(theta_rad, errors_of(drawn, count, k));
+
+    Beam& beam = beams[k];
+    Vec3 origin_stage_mm;
+    if (probe_) {
+      const TrueProbeChain& chain = probe_->chain;
+      origin_stage_mm = chain.origin_at_zero_mm + chain.origin_per_travel * travel_mm +
+                        at[k].time_s * chain.origin_per_s_mm +
+                        Vec3(shift_mm[0][k], shift_mm[1][k], shift_mm[2][k]);
+      beam.in_part.direction =
+          table_stands ? steady_beam : Vec3(part_from_stage_now.rotation * probe_->beam_in_stage);
+    } else {
+      const ErrorValues now = errors_of(drawn, count, k);
+      const AxisPositions axes{travel_mm.x(), travel_mm.y(), travel_mm.z(), theta_rad};
+      const RigidTransform stage_from_probe = true_stage_from_probe(nominal_, axes, now, at[k].time_s);
+      origin_stage_mm = stage_from_probe.translation_mm;
+      beam.in_part.direction =
+          part_from_stage_now.rotation * (stage_from_probe.rotation * true_beam_direction(nominal_, now));
+    }
+    beam.in_part.origin_mm =
+        part_from_stage_now.rotation * origin_stage_mm + part_from_stage_now.translation_mm;
+    beam.velocity_in_part_mm_per_s = part_from_stage_now.rotation * (directions * velocity_mm_per_s);
+    beam.distance_error_mm = value(ErrorSource::sensor_distance, distance_drawn_as_, k);
   }
-  const bool table_stands = table_ && table_->theta_rad == axes.theta_rad;
-  const RigidTransform part_from_stage_now =
-      table_stands ? table_->part_from_stage : part_from_stage(axes.theta_rad, values());
-
-  Beam beam;
-  beam.in_part = {part_from_stage_now * origin_stage_mm, part_from_stage_now.rotation * beam_stage};
-  beam.velocity_in_part_mm_per_s =
-      part_from_stage_now.rotation * (nominal_.axis_direction[0] * at.velocity_per_s.x_mm +
-                                      nominal_.axis_direction[1] * at.velocity_per_s.y_mm +
-                                      nominal_.axis_direction[2] * at.velocity_per_s.z_mm);
-  beam.distance_error_mm = value(ErrorSource::sensor_distance, distance_drawn_as_);
-  return beam;
 }
 
 RigidTransform TrueMachine::mcs_from_part() const {

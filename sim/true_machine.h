@@ -9,6 +9,7 @@
 #include "geometry/random.h"
 #include "hardware/machine_geometry.h"
 #include "sim/machine_errors.h"
+#include "sim/true_geometry.h"
 
 namespace trueblade {
 
@@ -45,24 +46,27 @@ class TrueMachine {
   RigidTransform mcs_from_part() const;
 
  private:
-  // The probe while its rotations stand still: a fixed beam, and an origin that is linear in travel, in time
-  // and in the shifts that are drawn for each point.
-  struct SteadyChain {
-    Vec3 origin_at_zero_mm;
-    Mat3 origin_per_travel;              // columns: per mm of x, y, z
-    Vec3 origin_per_s;                   // thermal drift
-    std::vector<Vec3> origin_per_value;  // of each of per_point_; 0 for what does not move the origin
+  // While no rotation of the probe is drawn for each point.
+  struct SteadyProbe {
+    TrueProbeChain chain;
+    std::vector<Vec3> origin_per_value;  // of each of per_point_
     Vec3 beam_in_stage;                  // direction
   };
   // The table and the part on it, at one rotary angle.
+  struct Table {
+    Mat3 rotation;  // of part_from_stage
+    Vec3 translation_mm;
+  };
   struct SteadyTable {
     double theta_rad;
-    RigidTransform part_from_stage;
+    Table part_from_stage;
   };
   void work_out(double theta_rad);
-  // With the draws of per_point_ for this point at drawn[0], drawn[stride], ...
-  Beam beam_with(const AxisState& at, std::span<const double> drawn, std::size_t stride) const;
-  RigidTransform part_from_stage(double theta_rad, const ErrorValues& values) const;
+  // With the draws of per_point_ for point k at drawn[k], drawn[at.size() + k], ...
+  void beams_with(std::span<const AxisState> at, std::span<const double> drawn, std::span<Beam> beams) const;
+  // All the errors of point k.
+  ErrorValues errors_of(std::span<const double> drawn, std::size_t count, std::size_t k) const;
+  Table part_from_stage(double theta_rad, const ErrorValues& values) const;
 
   MachineGeometry nominal_;
   RigidTransform nominal_mcs_from_part_, mcs_from_fixture_;
@@ -75,7 +79,7 @@ class TrueMachine {
   Rng point_stream_;
   bool probe_turns_ = false;   // a rotation of the chain or of the beam, or a drift, is drawn for each point
   bool table_varies_ = false;  // a source of the table is
-  std::optional<SteadyChain> chain_;  // present unless the probe turns
+  std::optional<SteadyProbe> probe_;  // present unless the probe turns
   std::optional<SteadyTable> table_;
 };
 

@@ -225,6 +225,9 @@ void first_hits(const VirtualPart& part, std::span<const Ray> rays, double max_r
   for (std::size_t begin = 0; begin < rays.size(); begin += kTogether) {
     const std::size_t count = std::min(kTogether, rays.size() - begin);
     part.caster->first_hits(rays.subspan(begin, count), 0.0, max_range_mm, std::span(casts).first(count));
+    // The reading asks for the outlines next.
+    for (std::size_t k = 0; k < count; ++k)
+      if (casts[k]) __builtin_prefetch(&(*part.outlines)[casts[k]->facet]);
     for (std::size_t k = 0; k < count; ++k) {
       std::optional<PartHit>& hit = hits[begin + k];
       if (part.mode == PartSurfaceMode::exact)

@@ -101,20 +101,14 @@ std::optional<double> doubled_range_mm(const VirtualPart& part, const Lens& lens
 
 void draw_probe(const Rng& stream, std::uint64_t start, std::uint64_t first, std::span<ProbeDraws> draws) {
   static_assert(kProbeDrawsPerPoint == 4);  // one block of the stream
-  std::array<double, 128> deviates;
-  for (std::size_t begin = 0; begin < draws.size(); begin += deviates.size() / 2) {
-    const std::size_t count = std::min(deviates.size() / 2, draws.size() - begin);
-    for (std::size_t k = 0; k < count; ++k) {
-      const auto uniforms = stream.uniforms_of_block(start / 4 + first + begin + k);
-      deviates[2 * k] = uniforms[0];
-      deviates[2 * k + 1] = uniforms[1];
-      draws[begin + k].reflection_draw = uniforms[2];
-    }
-    inverse_normal(std::span(deviates).first(2 * count));
-    for (std::size_t k = 0; k < count; ++k) {
-      draws[begin + k].speckle_deviate = deviates[2 * k];
-      draws[begin + k].noise_deviate = deviates[2 * k + 1];
-    }
+  constexpr std::size_t kTogether = 64;
+  std::array<double, 4 * kTogether> words;
+  for (std::size_t begin = 0; begin < draws.size(); begin += kTogether) {
+    const std::size_t count = std::min(kTogether, draws.size() - begin);
+    stream.uniforms_of_blocks(start / 4 + first + begin, 1, count, std::span(words).first(4 * count));
+    inverse_normal(std::span(words).first(2 * count));
+    for (std::size_t k = 0; k < count; ++k)
+      draws[begin + k] = {words[k], words[count + k], words[2 * count + k]};
   }
 }
 

@@ -75,10 +75,15 @@ TEST(Rng, LeavesAndReturns) {
 
 TEST(Rng, ABlockHoldsFourUniforms) {
   const Rng rng(1, 2, 3);
-  for (const std::uint64_t block : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{1} << 50}) {
-    const auto uniforms = rng.uniforms_of_block(block);
-    for (std::uint64_t k = 0; k < 4; ++k) EXPECT_EQ(uniforms[k], rng.at(4 * block + k).uniform());
-  }
+  constexpr std::size_t kCount = 5;
+  for (const std::uint64_t first : {std::uint64_t{0}, std::uint64_t{9}, std::uint64_t{1} << 50})
+    for (const std::uint64_t stride : {1u, 16u}) {
+      std::array<double, 4 * kCount> uniforms{};
+      rng.uniforms_of_blocks(first, stride, kCount, uniforms);
+      for (std::size_t k = 0; k < kCount; ++k)
+        for (std::size_t word = 0; word < 4; ++word)
+          EXPECT_EQ(uniforms[word * kCount + k], rng.at(4 * (first + k * stride) + word).uniform());
+    }
 }
 
 TEST(Rng, AnotherSeedTrialOrStreamIsAnotherSequence) {
