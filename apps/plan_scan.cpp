@@ -64,9 +64,9 @@ void require_a_return(const MachineSpec& machine, const ScanPlan& plan) {
   if (!sensor_is_simulated(machine)) return;
   const ExpectedReturns returns = expected_returns(plan, machine.simulation.sensor, machine.lens);
   if (returns.returning() > 0) return;
-  throw NothingToMeasure(fmt::format("view {}: {}; the best SNR is {:.3g}", plan.view,
-                                     missing_returns(returns, machine.simulation.sensor, machine.lens),
-                                     returns.best_snr));
+  throw NothingToMeasure(
+      fmt::format("view {}: the beam would never return: {}; the best SNR is {:.3g}", plan.view,
+                  missing_returns(returns, machine.simulation.sensor, machine.lens), returns.best_snr));
 }
 
 }  // namespace
