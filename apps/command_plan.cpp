@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <numeric>
@@ -54,6 +55,19 @@ std::string views_table(const Planned& planned) {
                             std::accumulate(planned.time_s.begin(), planned.time_s.end(), 0.0));
 }
 
+// A dozen names at most; --json names them all by their planned points.
+void tell_surfaces_between_points(const std::vector<std::uint32_t>& surfaces, const Part& part,
+                                  double spacing_mm) {
+  if (surfaces.empty()) return;
+  constexpr std::size_t kMostNames = 12;
+  std::string names;
+  for (std::size_t k = 0; k < std::min(kMostNames, surfaces.size()); ++k)
+    names += fmt::format("{}{} ({})", k == 0 ? "" : ", ", surfaces[k], part.surfaces[surfaces[k]].name);
+  if (surfaces.size() > kMostNames) names += ", ...";
+  spdlog::warn("spacing_mm is {}: too coarse for {} surfaces that can be seen, but have no planned point: {}",
+               spacing_mm, surfaces.size(), names);
+}
+
 // To be pasted into the scenario, and changed there.
 std::string views_yaml(const std::vector<ViewSpec>& views) {
   std::string text =
@@ -63,14 +77,17 @@ std::string views_yaml(const std::vector<ViewSpec>& views) {
   return text;
 }
 
-nlohmann::ordered_json plan_json(const Planned& planned, const Part& part) {
+nlohmann::ordered_json plan_json(const Scenario& scenario, const Planned& planned, const Part& part) {
   const Coverage& coverage = planned.chosen.coverage;
   nlohmann::ordered_json views = nlohmann::ordered_json::array(), surfaces = nlohmann::ordered_json::array();
+  std::vector<std::size_t> points_on(part.surfaces.size(), 0);
   for (std::size_t v = 0; v < planned.plans.size(); ++v) {
     const ScanPlan& plan = planned.plans[v];
+    for (const PlannedPoint& point : plan.points) ++points_on[point.surface];
     views.push_back({{"view", plan.view},
                      {"theta_deg", plan.theta_rad / kDegree},
                      {"points", plan.point_count()},
+                     {"without_return", missing_returns(scenario.machine, plan)},
                      {"lines", plan.lines.size()},
                      {"columns", plan.columns},
                      {"rows", plan.rows},
@@ -83,6 +100,7 @@ nlohmann::ordered_json plan_json(const Planned& planned, const Part& part) {
     surfaces.push_back({{"surface", surface.surface},
                         {"name", part.surfaces[surface.surface].name},
                         {"area_mm2", surface.area_mm2},
+                        {"planned_points", points_on[surface.surface]},
                         {"seen", surface.seen},
                         {"seen_from_view", surface.seen_from_view},
                         {"share", share}});
@@ -123,9 +141,15 @@ int plan(const PlanCommandOptions& options, bool json) {
   UnseenViews unseen;
   planned.plans = plan_views(scenario, nominal, planned.chosen.views, &unseen);
   for (const auto& [view, reason] : unseen) spdlog::warn("{}", reason);
+  for (const ScanPlan& plan : planned.plans) {
+    const std::string missing = missing_returns(scenario.machine, plan);
+    if (!missing.empty()) spdlog::warn("view {}: {}", plan.view, missing);
+  }
+  tell_surfaces_between_points(surfaces_between_points(coverage, planned.plans), part,
+                               scenario.scan.spacing_mm);
   planned.time_s = estimated_times_s(scenario.machine, planned.plans);
   if (json) {
-    fmt::print("{}\n", plan_json(planned, part).dump(2));
+    fmt::print("{}\n", plan_json(scenario, planned, part).dump(2));
     return ExitCode::done;
   }
   fmt::print("{}", coverage_table(coverage, part));
@@ -158,7 +182,7 @@ void add_plan_command(CLI::App& app, CommandLine& line) {
   command->add_flag("--json", line.json, "Print coverage and plan as JSON on standard output");
   command->footer(R"(
 The plan is checked as `scan` and `inspect` check theirs before anything moves: travel of the axes, and the way of
-the probe past the part.
+the probe past the part, light that comes back (of a simulated sensor, by its mean signal).
 
 Examples:
   trueblade plan scenarios/turbine_blade_front.yaml

@@ -8,6 +8,7 @@
 
 #include "apps/console.h"
 #include "apps/interrupt.h"
+#include "hardware/check_clearance.h"
 #include "hardware/execute_plan.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 #include "hardware/recorded/recorded_machine.h"
@@ -26,6 +27,7 @@ VirtualSetup virtual_setup(const Scenario& scenario) {
   setup.mcs_from_fixture = machine.mcs_from_fixture;
   setup.errors = machine.simulation.errors;
   setup.sensor = machine.simulation.sensor;
+  setup.aperture_radius_mm = machine.probe.aperture_radius_mm;
   setup.seed = scenario.seed;
   setup.trial = scenario.trial;
   setup.sensor_replicate = machine.simulation.sensor_replicate;
@@ -137,6 +139,7 @@ void keep_earlier_scan(const std::filesystem::path& file, const Scenario& scenar
 
 struct Measurement::Session {
   Backend backend;
+  PartOnMachine nominal;
   Journal before;  // what an earlier run measured
   std::optional<JournalWriter> journal;
   std::string resume_hint;
@@ -156,7 +159,12 @@ Measurement::Measurement(const Scenario& scenario, const PartOnMachine& nominal,
     : scenario_(scenario),
       plans_(plan_views(scenario, nominal, views_of(scenario, nominal), keep_unseen ? &unseen_ : nullptr)),
       session_(new Session) {
+  for (const ScanPlan& plan : plans_) {
+    const std::string missing = missing_returns(scenario.machine, plan);
+    if (!missing.empty()) spdlog::warn("view {}: {}", plan.view, missing);
+  }
   session_->backend = make_backend(scenario, nominal);
+  session_->nominal = nominal;
 }
 
 void Measurement::keep_journal(const std::filesystem::path& file, bool resume) {
@@ -219,6 +227,13 @@ MeasuredView Measurement::measure(const ScanPlan& plan) {
     return !interrupted();
   };
   execution.stop_asked = interrupted;
+  // Where the machine stands is not known before it is connected, and no plan speaks of it.
+  execution.check_first_way = [&](const AxisPositions& from, std::span<const AxisPositions> way) {
+    const FacetModel& model = session_->nominal.part->model;
+    const ProbeBody& probe = scenario_.machine.probe;
+    check_first_way(plan.view, geometry, model, scenario_.machine.mcs_from_part.inverse(),
+                    ProbeClearance(model, probe), probe, from, way);
+  };
   MachineDriver& driver = *session_->backend.driver;
   try {
     measured.scan = execute_plan(driver, geometry, plan, execution);

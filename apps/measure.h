@@ -50,7 +50,8 @@ class Measurement {
   const std::vector<ScanPlan>& plans() const { return plans_; }
 
   // Shows its progress on standard error. Ctrl-C ends it early: then scan.complete is false.
-  // Throws InputError (nothing came back; the plan is empty; the journal holds another plan), MachineFault.
+  // Throws InputError (nothing came back; the plan is empty; the journal holds another plan; on its way from
+  // where the machine stands the probe would touch the part), MachineFault.
   MeasuredView measure(const ScanPlan& plan);
 
  private:

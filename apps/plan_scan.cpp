@@ -4,9 +4,11 @@
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "hardware/check_clearance.h"
 #include "hardware/execute_plan.h"
+#include "sim/expected_returns.h"
 
 namespace trueblade {
 namespace {
@@ -54,6 +56,19 @@ void require_a_view(const std::vector<ViewSpec>& views, const UnseenViews& unsee
   throw InputError(reasons);
 }
 
+bool sensor_is_simulated(const MachineSpec& machine) {
+  return machine.backend == "simulated";
+}
+
+void require_a_return(const MachineSpec& machine, const ScanPlan& plan) {
+  if (!sensor_is_simulated(machine)) return;
+  const ExpectedReturns returns = expected_returns(plan, machine.simulation.sensor, machine.lens);
+  if (returns.returning() > 0) return;
+  throw NothingToMeasure(
+      fmt::format("view {}: the beam would never return: {}; the best SNR is {:.3g}", plan.view,
+                  missing_returns(returns, machine.simulation.sensor, machine.lens), returns.best_snr));
+}
+
 }  // namespace
 
 PartOnMachine put_on_machine(Part part) {
@@ -94,8 +109,10 @@ std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& 
     options.view = view.name;
     options.theta_rad = view.theta_rad;
     try {
-      plans.push_back(
-          plan_view(machine.geometry, machine.lens, *nominal.part, *nominal.caster, part_from_mcs, options));
+      ScanPlan plan =
+          plan_view(machine.geometry, machine.lens, *nominal.part, *nominal.caster, part_from_mcs, options);
+      require_a_return(machine, plan);
+      plans.push_back(std::move(plan));
     } catch (const NothingToMeasure& nothing) {
       if (!unseen) throw;
       unseen->emplace(view.name, nothing.what());
@@ -111,6 +128,23 @@ std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& 
   }
   if (unseen) require_a_view(views, *unseen);
   return plans;
+}
+
+std::string missing_returns(const MachineSpec& machine, const ScanPlan& plan) {
+  if (!sensor_is_simulated(machine)) return "";
+  const SensorModel& sensor = machine.simulation.sensor;
+  return missing_returns(expected_returns(plan, sensor, machine.lens), sensor, machine.lens);
+}
+
+std::vector<std::uint32_t> surfaces_between_points(const Coverage& coverage,
+                                                   const std::vector<ScanPlan>& plans) {
+  std::set<std::uint32_t> planned;
+  for (const ScanPlan& plan : plans)
+    for (const PlannedPoint& point : plan.points) planned.insert(point.surface);
+  std::vector<std::uint32_t> missed;
+  for (const SurfaceCoverage& surface : coverage.surfaces)
+    if (surface.seen > 0.0 && !planned.contains(surface.surface)) missed.push_back(surface.surface);
+  return missed;
 }
 
 std::vector<double> estimated_times_s(const MachineSpec& machine, const std::vector<ScanPlan>& plans) {

@@ -36,10 +36,18 @@ std::vector<ViewSpec> views_of(const Scenario& scenario, const PartOnMachine& no
 using UnseenViews = std::map<std::string, std::string>;
 
 // One plan a view, in order. Throws InputError naming view and cause: nothing of the chosen surfaces can be
-// measured (with `unseen`, only where no view can), a position is out of travel, or the probe would touch the
-// part on its way, from home on.
+// measured, or by the model of a simulated sensor no light would come back (with `unseen`, only where no view
+// can), a position is out of travel, or the probe would touch the part on its way, from home on.
 std::vector<ScanPlan> plan_views(const Scenario& scenario, const PartOnMachine& nominal,
                                  const std::vector<ViewSpec>& views, UnseenViews* unseen = nullptr);
+
+// Of a simulated sensor: how many points of a plan would send no light back, and why; empty: all return, or
+// nothing is known of the sensor.
+std::string missing_returns(const MachineSpec& machine, const ScanPlan& plan);
+
+// Surfaces that a view can see and on which yet no point is planned: the spacing is too coarse for them.
+std::vector<std::uint32_t> surfaces_between_points(const Coverage& coverage,
+                                                   const std::vector<ScanPlan>& plans);
 
 // Time of each view from speeds and accelerations, with the way from the end of the view before (or home). An
 // empty plan takes none.

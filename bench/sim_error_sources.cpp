@@ -9,7 +9,7 @@
 
 int main() {
   using namespace trueblade;
-  constexpr std::size_t kPoints = 10'001;
+  constexpr std::size_t kPoints = 10'000;
   fmt::print("# Each error source alone: observed against its closed form\n\n");
   fmt::print(
       "Made by `build/release/bench/sim_error_sources > results/sim/error_sources.md`.\n\nOne source at a "

@@ -2,6 +2,9 @@
 // machine keeps its clock by it.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "hardware/lens.h"
 #include "hardware/machine_driver.h"
 #include "hardware/scan_plan.h"
@@ -19,9 +22,20 @@ struct AxisDynamics {
 // trapezoidal (or, when short, triangular) speed profile.
 double move_time_s(const AxisDynamics& dynamics, const AxisPositions& from, const AxisPositions& to);
 
-// From one sample of a line to the next in continuous motion: the sensor's rate or the slowest axis decides.
-double sample_interval_s(const AxisDynamics& dynamics, const Lens& lens, const AxisPositions& from,
-                         const AxisPositions& to);
+// Of a position on a line: when it is passed, and how fast.
+struct PassedPosition {
+  double time_s;  // after the start of the line
+  AxisPositions velocity_per_s;
+};
+
+// The positions of a line in one continuous motion, from standstill at `from` to standstill at the last
+// position; samples are triggered by position. On the way from one position to the next the sensor's rate or
+// the slowest axis sets the pace; start, end and changes of pace are ramps, and bends are passed so slowly
+// that the change of an axis's speed, spread over the halves of both ways, keeps within its acceleration. A
+// position that is not travelled to (the first, where the machine stands on it) is measured standing, for one
+// interval of the sensor.
+std::vector<PassedPosition> line_motion(const AxisDynamics& dynamics, const Lens& lens,
+                                        const AxisPositions& from, std::span<const AxisPositions> path);
 
 // The whole plan, starting at `start`.
 double estimated_time_s(const ScanPlan& plan, const AxisDynamics& dynamics, const Lens& lens,

@@ -97,4 +97,16 @@ void check_clearance(const ScanPlan& plan, const MachineGeometry& geometry, cons
   for (const AxisPositions& to : plan.retreat) go(to, "the retreat");
 }
 
+void check_first_way(const std::string& view, const MachineGeometry& geometry, const FacetModel& nominal,
+                     const RigidTransform& part_from_mcs, const ProbeClearance& clearance,
+                     const ProbeBody& body, const AxisPositions& start, std::span<const AxisPositions> way) {
+  const double limit_mm = turning_limit_mm(geometry, nominal, part_from_mcs.inverse(), body.clearance_mm);
+  const MoveCheck check(view, geometry, part_from_mcs, clearance, limit_mm);
+  AxisPositions at = start;
+  for (const AxisPositions& to : way) {
+    check.move(at, to, "the way from where the machine stands");
+    at = to;
+  }
+}
+
 }  // namespace trueblade

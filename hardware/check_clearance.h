@@ -3,6 +3,9 @@
 // same way.
 #pragma once
 
+#include <span>
+#include <string>
+
 #include "hardware/machine_geometry.h"
 #include "hardware/scan_plan.h"
 
@@ -19,5 +22,11 @@ double turning_limit_mm(const MachineGeometry& geometry, const FacetModel& nomin
 void check_clearance(const ScanPlan& plan, const MachineGeometry& geometry, const FacetModel& nominal,
                      const RigidTransform& part_from_mcs, const ProbeClearance& clearance,
                      const ProbeBody& body, const AxisPositions& start);
+
+// The same of the way on which the machine, from where it really stands, comes to its first line or back to
+// where a scan broke off (ExecutionOptions::check_first_way).
+void check_first_way(const std::string& view, const MachineGeometry& geometry, const FacetModel& nominal,
+                     const RigidTransform& part_from_mcs, const ProbeClearance& clearance,
+                     const ProbeBody& body, const AxisPositions& start, std::span<const AxisPositions> way);
 
 }  // namespace trueblade

@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <array>
 #include <numbers>
 
 #include "geometry/error.h"
@@ -58,20 +57,41 @@ AxisPositions withdrawn(const MachineGeometry& geometry, const ScanPlan& plan, c
   const auto depth = [&](const AxisPositions& axes) {
     return beam.dot(directions * Vec3(axes.x_mm, axes.y_mm, axes.z_mm));
   };
+  constexpr double kRoundingMm = 1e-6;  // of positions that stand at that depth
   const double too_deep_mm = depth(at) - depth(plan.retreat.back());
-  if (too_deep_mm <= 0.0) return at;
+  if (too_deep_mm <= kRoundingMm) return at;
   const Vec3 travel = directions.inverse() * (-too_deep_mm * beam);
   return {at.x_mm + travel.x(), at.y_mm + travel.y(), at.z_mm + travel.z(), at.theta_rad};
 }
 
-// From wherever the machine stands to where the scan broke off. The last position measured before comes
-// first, so that the next one is passed in the same motion as without the break.
-void go_back_to(MachineDriver& driver, const MachineGeometry& geometry, const ScanPlan& plan,
-                const NextSample& next) {
-  const std::vector<AxisPositions>& path = plan.lines[next.line].path;
-  const AxisPositions& target = path[next.position == 0 ? 0 : next.position - 1];
-  driver.move_through(
-      std::array{withdrawn(geometry, plan, driver.position()), withdrawn(geometry, plan, target), target});
+bool same_place(const AxisPositions& a, const AxisPositions& b) {
+  return a.x_mm == b.x_mm && a.y_mm == b.y_mm && a.z_mm == b.z_mm && a.theta_rad == b.theta_rad;
+}
+
+// From wherever the machine stands to the line of the next sample. Where that line broke off, the last
+// position measured before comes first, so that the next one is passed in the same motion as without the
+// break.
+std::vector<AxisPositions> first_way(const MachineGeometry& geometry, const ScanPlan& plan,
+                                     const NextSample& next, bool resumed, const AxisPositions& at) {
+  std::vector<AxisPositions> way;
+  const AxisPositions free = withdrawn(geometry, plan, at);
+  if (!same_place(free, at)) way.push_back(free);
+  const PlannedLine& line = plan.lines[next.line];
+  const AxisPositions& target = line.path[next.position == 0 ? 0 : next.position - 1];
+  if (resumed)
+    way.push_back(withdrawn(geometry, plan, target));
+  else
+    way.insert(way.end(), line.approach.begin(), line.approach.end());
+  way.push_back(target);
+  return way;
+}
+
+void check_positions(const ScanPlan& plan, std::span<const AxisPositions> positions, const AxisLimits& limits,
+                     const std::string& what) {
+  for (const AxisPositions& at : positions)
+    if (!limits.contains(at))
+      throw InputError(fmt::format("view {}: {} leaves the machine's travel: {}", plan.view, what,
+                                   describe_violation(at, limits)));
 }
 
 void convert_usable_samples(const MachineGeometry& geometry, ViewScan& scan) {
@@ -87,17 +107,12 @@ void convert_usable_samples(const MachineGeometry& geometry, ViewScan& scan) {
 }  // namespace
 
 void check_travel(const ScanPlan& plan, const AxisLimits& limits) {
-  const auto check = [&](const std::vector<AxisPositions>& positions, const std::string& what) {
-    for (const AxisPositions& at : positions)
-      if (!limits.contains(at))
-        throw InputError(fmt::format("view {}: {} leaves the machine's travel: {}", plan.view, what,
-                                     describe_violation(at, limits)));
-  };
   for (std::size_t line = 0; line < plan.lines.size(); ++line) {
-    check(plan.lines[line].approach, fmt::format("the way to planned line {}", line + 1));
-    check(plan.lines[line].path, fmt::format("planned line {}", line + 1));
+    check_positions(plan, plan.lines[line].approach, limits,
+                    fmt::format("the way to planned line {}", line + 1));
+    check_positions(plan, plan.lines[line].path, limits, fmt::format("planned line {}", line + 1));
   }
-  check(plan.retreat, "the retreat");
+  check_positions(plan, plan.retreat, limits, "the retreat");
 }
 
 ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, const ScanPlan& plan,
@@ -118,7 +133,18 @@ ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, co
   scan.samples.reserve(planned);
   scan.samples = options.measured_before;
   const NextSample next = after(plan, before);
-  if (before > 0) driver.skip_measured({plan.theta_rad, next.line, before});
+  if (before > 0) {
+    MeasuredBefore skipped{plan.theta_rad, next.line, before};
+    if (next.position > 0) skipped.of_line = std::span(plan.lines[next.line].path).first(next.position);
+    driver.skip_measured(skipped);
+  }
+
+  std::vector<AxisPositions> way;
+  if (next.line < plan.lines.size()) {
+    way = first_way(geometry, plan, next, before > 0, driver.position());
+    check_positions(plan, way, driver.limits(), "the way from where the machine stands");
+    if (options.check_first_way) options.check_first_way(driver.position(), way);
+  }
 
   const auto stop_asked = [&] { return options.stop_asked && options.stop_asked(); };
   bool keep_going = true;
@@ -132,15 +158,12 @@ ViewScan execute_plan(MachineDriver& driver, const MachineGeometry& geometry, co
     for (std::size_t k = next.line; k < plan.lines.size() && keep_going; ++k) {
       const PlannedLine& line = plan.lines[k];
       if (line.path.empty()) continue;
-      const bool broken_off = before > 0 && k == next.line;
-      if (broken_off) {
-        go_back_to(driver, geometry, plan, next);
-      } else {
-        std::vector<AxisPositions> way = line.approach;
+      if (k != next.line) {
+        way = line.approach;
         way.push_back(line.path.front());
-        driver.move_through(way);
       }
-      driver.scan_line(std::span(line.path).subspan(broken_off ? next.position : 0), collect);
+      driver.move_through(way);
+      driver.scan_line(std::span(line.path).subspan(k == next.line ? next.position : 0), collect);
       keep_going = keep_going && !stop_asked();
     }
     if (keep_going && before < planned) driver.move_through(plan.retreat);

@@ -76,6 +76,8 @@ struct MeasuredBefore {
   double theta_rad;     // rotary angle of the view
   std::size_t lines;    // finished lines
   std::size_t samples;  // of these and of the line that was broken off
+  // Positions of that line that were measured: a simulated machine goes on as if it had just passed them.
+  std::span<const AxisPositions> of_line{};
 };
 
 // Receives the samples of a line as they arrive; returning false stops the scan after the sample.

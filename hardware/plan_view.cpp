@@ -12,6 +12,7 @@
 #include "geometry/error.h"
 #include "geometry/parallel.h"
 #include "hardware/check_clearance.h"
+#include "hardware/coverage.h"
 
 namespace trueblade {
 namespace {
@@ -91,8 +92,9 @@ Ray ray_of_cell(const ViewRaster& raster, double spacing_mm, std::size_t row, st
 // What one raster cell holds.
 struct Cell {
   PointAccess access = PointAccess::facing_away;
-  bool chosen = false;    // the beam meets a chosen surface
-  Vec3 probe_origin_pcs;  // when chosen
+  bool chosen = false;  // the beam meets a chosen surface; then:
+  Vec3 probe_origin_pcs;
+  PlannedPoint point{};
 };
 
 std::vector<Cell> look_at_cells(const ViewRaster& raster, const Lens& lens, const Part& nominal,
@@ -110,10 +112,13 @@ std::vector<Cell> look_at_cells(const ViewRaster& raster, const Lens& lens, cons
     for (std::size_t i = begin; i < end; ++i) {
       const Ray ray = ray_of_cell(raster, options.spacing_mm, i / raster.columns, i % raster.columns);
       const auto hit = caster.first_hit(ray, 0.0, std::numeric_limits<double>::infinity());
-      if (!hit || !chosen[nominal.model.surface_of(hit->facet)]) continue;
+      if (!hit) continue;
+      const std::uint32_t surface = nominal.model.surface_of(hit->facet);
+      if (!chosen[surface]) continue;
       const Vec3 point = ray.origin_mm + hit->range_mm * ray.direction;
-      cells[i] = {access.check(point, hit->normal, ray.direction), true,
-                  point - range_of_row(i / raster.columns) * ray.direction};
+      const double range_mm = range_of_row(i / raster.columns);
+      cells[i] = {access.check(point, hit->normal, ray.direction), true, point - range_mm * ray.direction,
+                  PlannedPoint{surface, range_mm, -hit->normal.dot(ray.direction)}};
     }
   });
   return cells;
@@ -183,6 +188,46 @@ std::string count_reasons(const std::array<std::size_t, kPointAccessCount>& cell
   return reasons;
 }
 
+// No beam of the raster meets a chosen surface: they are out of sight, or they slip through the raster.
+std::string why_nothing_is_met(const MachineGeometry& geometry, const Part& nominal,
+                               const RigidTransform& part_from_mcs, const AccessCheck& access,
+                               const ViewRaster& raster, const PlanOptions& options) {
+  constexpr std::size_t kSamples = 1000;
+  const std::vector<SurfaceSample> samples = sample_surfaces(nominal, options.surfaces, kSamples);
+  const std::vector<PointAccess> seen =
+      access_from_angle(geometry, part_from_mcs, options.theta_rad, access, samples);
+  const auto measurable = std::find(seen.begin(), seen.end(), PointAccess::measurable);
+  if (measurable == seen.end()) {
+    std::array<std::size_t, kPointAccessCount> count{};
+    for (const PointAccess of_sample : seen) ++count[static_cast<std::size_t>(of_sample)];
+    return fmt::format(
+        "view {}: nothing of the chosen surfaces can be measured at theta {:.3f} deg; of {} places spread "
+        "over "
+        "them{}",
+        options.view, options.theta_rad / kDegree, samples.size(), count_reasons(count));
+  }
+  const std::uint32_t surface = samples[static_cast<std::size_t>(measurable - seen.begin())].surface;
+  double across_low = std::numeric_limits<double>::infinity(), across_high = -across_low;
+  double along_low = across_low, along_high = across_high;
+  for (std::uint32_t facet = 0; facet < nominal.model.facet_count(); ++facet) {
+    if (nominal.model.surface_of(facet) != surface) continue;
+    for (const Vec3& corner : nominal.model.corners_mm(facet)) {
+      across_low = std::min(across_low, corner.dot(raster.across));
+      across_high = std::max(across_high, corner.dot(raster.across));
+      along_low = std::min(along_low, corner.dot(raster.along));
+      along_high = std::max(along_high, corner.dot(raster.along));
+    }
+  }
+  return fmt::format(
+      "view {}: spacing_mm is {}, too coarse for the chosen surfaces: surface {} ({}) can be seen at theta "
+      "{:.3f} "
+      "deg, but no position of the raster falls on what is seen of it; it measures {:.3g} x {:.3g} mm across "
+      "the "
+      "beam",
+      options.view, options.spacing_mm, surface, nominal.surfaces[surface].name, options.theta_rad / kDegree,
+      across_high - across_low, along_high - along_low);
+}
+
 }  // namespace
 
 void PlanOptions::validate(const Part& part, const Lens& lens) const {
@@ -225,6 +270,8 @@ ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part
   plan.rows = raster.rows;
   for (const Cell& cell : cells)
     if (cell.chosen) ++plan.cells[static_cast<std::size_t>(cell.access)];
+  if (std::none_of(cells.begin(), cells.end(), [](const Cell& cell) { return cell.chosen; }))
+    throw NothingToMeasure(why_nothing_is_met(geometry, nominal, part_from_mcs, access, raster, options));
   if (runs.empty())
     throw NothingToMeasure(fmt::format(
         "view {}: nothing of the chosen surfaces can be measured at theta {:.3f} deg "
@@ -258,6 +305,7 @@ ScanPlan plan_view(const MachineGeometry& geometry, const Lens& lens, const Part
     for (const std::uint32_t cell : run.cells) {
       line.path.push_back(axes_at(cells[cell].probe_origin_pcs));
       plan.grid_index.push_back(cell);
+      plan.points.push_back(cells[cell].point);
     }
     at = cells[run.cells.back()].probe_origin_pcs;
     plan.lines.push_back(std::move(line));

@@ -33,7 +33,8 @@ struct PlanOptions {
   void validate(const Part& part, const Lens& lens) const;
 };
 
-// The view can see none of the chosen surfaces, or reach them.
+// The view can see none of the chosen surfaces, or reach them; its raster is too coarse for them; or no light
+// would come back.
 class NothingToMeasure : public InputError {
  public:
   using InputError::InputError;

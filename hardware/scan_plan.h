@@ -19,6 +19,13 @@ struct PlannedLine {
   std::vector<AxisPositions> path;      // one sample at each position
 };
 
+// What the beam meets at a planned position, on the nominal part.
+struct PlannedPoint {
+  std::uint32_t surface;
+  double range_mm;
+  double incidence_cosine;
+};
+
 struct ScanPlan {
   std::string view;
   double theta_rad = 0.0;
@@ -26,6 +33,7 @@ struct ScanPlan {
   std::vector<PlannedLine> lines;         // rows without a visible surface have none
   std::vector<AxisPositions> retreat;     // moved through at the end: away from the part, free to turn it
   std::vector<std::uint32_t> grid_index;  // per planned position in order, its cell row * columns + column
+  std::vector<PlannedPoint> points;       // per planned position in order
   // Raster cells on a chosen surface by what became of them: measurable ones are planned.
   std::array<std::size_t, kPointAccessCount> cells{};
 

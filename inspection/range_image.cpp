@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "geometry/error.h"
+#include "inspection/colour_map.h"
 
 namespace trueblade {
 namespace {
@@ -26,6 +27,12 @@ void check_sizes(const ViewScan& view, const Deviations& deviations, std::size_t
                                    sample, view.rows, view.columns));
     }
   }
+}
+
+// Colours on screens and in pictures are sRGB (IEC 61966-2-1); OpenEXR's R, G, B are in proportion to light.
+double light_of(std::uint8_t srgb) {
+  const double value = srgb / 255.0;
+  return value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
 }
 
 }  // namespace
@@ -76,6 +83,16 @@ RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
   }
   add("outlier", kNone, [&](std::size_t i) { return deviations.outliers.is_outlier[i] ? 1.0 : 0.0; });
   add("mask", 0.0F, [](std::size_t) { return 1.0; });
+
+  // What a viewer shows: the colours of the report, and nothing (0, transparent) where there is no point.
+  const auto colour = [&](std::size_t i) {
+    if (deviations.outliers.is_outlier[i]) return kOutlierColour;
+    return colour_of(run.colour_map, deviations.signed_mm[i], run.colour_limit_mm);
+  };
+  add("R", 0.0F, [&](std::size_t i) { return light_of(colour(i).red); });
+  add("G", 0.0F, [&](std::size_t i) { return light_of(colour(i).green); });
+  add("B", 0.0F, [&](std::size_t i) { return light_of(colour(i).blue); });
+  add("A", 0.0F, [](std::size_t) { return 1.0; });
   return image;
 }
 

@@ -36,9 +36,9 @@ struct RangeImage {
 };
 
 // Precondition: `deviations` are those of view.points. `beam_mcs`: the unit beam direction of the view.
-// `true_deviation_mm`: of the true part at each point; empty where it is not known. Throws InputError when
-// the numbers of points disagree or a cell lies outside the grid. When a cell was measured twice, the later
-// sample stands.
+// The colours are those of run.colour_map; precondition: run.colour_limit_mm > 0. `true_deviation_mm`: of the
+// true part at each point; empty where it is not known. Throws InputError when the numbers of points disagree
+// or a cell lies outside the grid. When a cell was measured twice, the later sample stands.
 RangeImage range_image_of(const ViewScan& view, const Deviations& deviations,
                           const RigidTransform& part_from_mcs, const RunFacts& run, const Vec3& beam_mcs,
                           std::span<const double> true_deviation_mm = {});

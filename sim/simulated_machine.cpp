@@ -4,21 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "geometry/error.h"
 #include "geometry/parallel.h"
+#include "sim/vignetting.h"
 
 namespace trueblade {
 namespace {
 
 // Points measured together: what is known of them between the steps stays in the cache.
 constexpr std::size_t kPointsTogether = 64;
-
-AxisPositions mean_velocity(const AxisPositions& from, const AxisPositions& to, double time_s) {
-  return {(to.x_mm - from.x_mm) / time_s, (to.y_mm - from.y_mm) / time_s, (to.z_mm - from.z_mm) / time_s,
-          (to.theta_rad - from.theta_rad) / time_s};
-}
 
 }  // namespace
 
@@ -49,6 +46,8 @@ void VirtualSetup::validate() const {
         "sensor: noise_to_signal is {}, which leaves an SNR of {:.3g} at the best place of a surface: below "
         "missed_snr ({}), so that the beam never returns",
         sensor.noise_to_signal, best_snr, sensor.missed_snr));
+  if (!(aperture_radius_mm >= 0.0 && std::isfinite(aperture_radius_mm)))
+    throw InputError(fmt::format("aperture_radius_mm is {}, must be at least 0", aperture_radius_mm));
   if (!is_finite(part_from_mcs)) throw InputError("part_from_mcs must be finite");
   if (!is_finite(mcs_from_fixture)) throw InputError("mcs_from_fixture must be finite");
   if (!limits.contains({}))
@@ -71,9 +70,12 @@ void measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMa
     first_hits(part, std::span(rays).first(count), std::numeric_limits<double>::infinity(),
                std::span(hits).first(count));
     for (std::size_t k = 0; k < count; ++k) {
+      const double light = setup.aperture_radius_mm > 0.0 && hits[k]
+                               ? free_light(part, rays[k], *hits[k], setup.aperture_radius_mm)
+                               : 1.0;
       const ProbeReading probe =
           read_probe(part, setup.sensor, setup.lens, rays[k],
-                     setup.sensor.exposure_s * beams[k].velocity_in_part_mm_per_s, draws[k], hits[k]);
+                     setup.sensor.exposure_s * beams[k].velocity_in_part_mm_per_s, draws[k], hits[k], light);
       VirtualMeasurement& m = measured[begin + k];
       m.truth = probe.truth;
       m.sample = {at[begin + k].axes, 0.0, probe.reading.snr, at[begin + k].time_s, probe.reading.flags};
@@ -152,16 +154,20 @@ std::size_t SimulatedMachine::scan_line(std::span<const AxisPositions> path, con
   if (path.empty()) return 0;
   true_machine_.begin_line(line_++, path.front().theta_rad);
 
+  // In the motion of the whole line, also when its beginning was measured before.
+  std::vector<AxisPositions> line = std::exchange(run_up_, {});
+  const std::size_t passed_before = line.size();
+  line.insert(line.end(), path.begin(), path.end());
+  const std::vector<PassedPosition> motion =
+      line_motion(setup_.dynamics, setup_.lens, passed_before > 0 ? line.front() : at_, line);
+  const double start_s = passed_before > 0 ? clock_s_ - motion[passed_before - 1].time_s : clock_s_;
   at_samples_.resize(path.size());
   measured_.resize(path.size());
   const std::span<AxisState> at = at_samples_;
   const std::span<VirtualMeasurement> measured = measured_;
-  double time_s = clock_s_;
   for (std::size_t k = 0; k < path.size(); ++k) {
-    const AxisPositions& before = k == 0 ? at_ : path[k - 1];
-    const double interval_s = sample_interval_s(setup_.dynamics, setup_.lens, before, path[k]);
-    time_s += interval_s;
-    at[k] = {path[k], mean_velocity(before, path[k], interval_s), time_s};
+    const PassedPosition& passed = motion[passed_before + k];
+    at[k] = {path[k], passed.velocity_per_s, start_s + passed.time_s};
   }
   parallel_for_blocks(path.size(), kPointsTogether, [&](std::size_t begin, std::size_t end) {
     measure_at(part_, setup_, true_machine_, sensor_stream_, at.subspan(begin, end - begin), point_ + begin,
@@ -188,6 +194,7 @@ void SimulatedMachine::skip_measured(const MeasuredBefore& before) {
   line_ += before.lines;
   point_ += before.samples;
   hits_.resize(hits_.size() + before.samples);
+  run_up_.assign(before.of_line.begin(), before.of_line.end());
 }
 
 void SimulatedMachine::stop() noexcept {

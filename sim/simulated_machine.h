@@ -30,6 +30,7 @@ struct VirtualSetup {
   RigidTransform mcs_from_fixture;  // the frame in which the fixture's errors act
   MachineErrors errors;
   SensorModel sensor;
+  double aperture_radius_mm = 0.0;  // of the probe; above 0: the part may cut off light (vignetting.h)
   std::uint64_t seed = 0;
   std::uint64_t trial = 0;
   std::uint32_t sensor_replicate = 0;  // of the sensor's draws, see GaussianError
@@ -44,7 +45,7 @@ Rng sensor_stream_of(const VirtualSetup& setup);
 
 // For evaluating experiments only; the program that measures never sees it.
 struct SimulationTruth {
-  RigidTransform part_from_mcs;  // true, of the view measured last
+  RigidTransform part_from_mcs;  // true, of the view measured last: see TrueMachine::mcs_from_part
   // Per sample; nullopt: the beam met nothing, or the sample was measured before this run.
   std::vector<std::optional<TrueHit>> hits;
 };
@@ -91,6 +92,7 @@ class SimulatedMachine final : public MachineDriver {
   std::atomic<MachineState> state_{MachineState::disconnected};
   AxisPositions at_;
   double clock_s_ = 0.0;
+  std::vector<AxisPositions> run_up_;              // of a line that is gone on with: passed before this run
   std::uint64_t view_ = 0, line_ = 0, point_ = 0;  // running numbers: the keys of the draws
   std::vector<std::optional<TrueHit>> hits_;
   // Of the line being scanned; kept, so that a line finds the memory of the one before.

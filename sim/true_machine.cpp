@@ -159,7 +159,13 @@ void TrueMachine::beams_with(std::span<const AxisState> at, std::span<const doub
 }
 
 RigidTransform TrueMachine::mcs_from_part() const {
-  return true_mcs_from_part(nominal_mcs_from_part_, mcs_from_fixture_, values_);
+  ErrorValues of_view = values_;
+  for (std::size_t s = 0; s < kErrorSourceCount; ++s) {
+    const auto source = static_cast<ErrorSource>(s);
+    const ErrorScope scope = errors_[source].scope;
+    if (scope == ErrorScope::line || scope == ErrorScope::point) of_view[source] = errors_[source].mean;
+  }
+  return true_mcs_from_part(nominal_mcs_from_part_, mcs_from_fixture_, of_view);
 }
 
 }  // namespace trueblade

@@ -42,7 +42,8 @@ class TrueMachine {
   void beams_at(std::span<const AxisState> at, std::uint64_t first_point, std::span<Beam> beams) const;
   Beam beam_at(const AxisState& at, std::uint64_t point) const;
 
-  // Where the part truly stands, by the draws of the present view and line.
+  // Where the part truly stands in the present view: by the draws of the set-up and the view. What is drawn
+  // for every line or point is a part that moves meanwhile: its mean counts.
   RigidTransform mcs_from_part() const;
 
  private:

@@ -59,10 +59,8 @@ struct FootPoint {
   SurfacePoint foot;
 };
 
-// The nominal point from which the field moves the part to `at_mm`, on `surface` or, where it ends, on the
-// surface that goes on there: the field moves facets sideways, too, so that beside a border the beam meets
-// facets of the neighbour. Beyond a sharp edge no surface goes on, and the continuation of this one stands
-// in.
+// The foot point of `at_mm` on `surface` or, where that ends, on the surface that goes on there. Beyond a
+// sharp edge no surface goes on, and the continuation of this one stands in.
 std::optional<FootPoint> foot_point(const VirtualPart& part, const Vec3& at_mm, std::uint32_t surface,
                                     const Vec2& start) {
   // A foot point at the end of a surface is not below the point; a ten thousandth is its slant in rad.
@@ -97,39 +95,68 @@ std::optional<FootPoint> foot_point(const VirtualPart& part, const Vec3& at_mm, 
   return found;
 }
 
-// Where the ray meets the CAD surface displaced by the field: the root along the ray of
-//   (signed distance to the surface) - (displacement along the normal at the foot point).
+// The point of the CAD surface that the field moves to `at_mm`, but for what is missing along its normal.
+struct MaterialPoint {
+  std::uint32_t surface;
+  SurfacePoint point;
+  double beyond_mm;  // of `at_mm`, along the normal
+};
+
+// The fixed point of p = foot point of (at - displacement of p). `displaced_mm` is where it begins, and
+// becomes the displacement of the point found.
+std::optional<MaterialPoint> material_point(const VirtualPart& part, const Vec3& at_mm, std::uint32_t surface,
+                                            Vec2 parameters, Vec3& displaced_mm) {
+  // Each step is better by the field's slope: below a hundredth for the twist of an airfoil, a third beside
+  // the steepest of dents.
+  constexpr int kMostSteps = 40;
+  constexpr double kConvergedMm = 1e-11;  // a tenth of what the ray is held to
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Vec3 from_mm = at_mm - displaced_mm;
+    const auto found = foot_point(part, from_mm, surface, parameters);
+    if (!found) return std::nullopt;
+    const Vec3 displacement_mm = part.field->displacement_mm(found->foot.point_mm, found->foot.normal);
+    const double change_mm = (displacement_mm - displaced_mm).norm();
+    displaced_mm = displacement_mm;
+    if (change_mm < kConvergedMm)
+      return MaterialPoint{found->surface, found->foot,
+                           found->foot.normal.dot(from_mm - found->foot.point_mm)};
+    surface = found->surface;
+    parameters = found->foot.parameters;
+  }
+  return std::nullopt;
+}
+
+// Where the ray meets the CAD surface, each of its points moved by the field.
 std::optional<PartHit> meet_displaced_surface(const VirtualPart& part, const Ray& ray, std::uint32_t surface,
                                               Vec2 parameters, const PartHit& facet_hit) {
   constexpr int kMostSteps = 30;          // secants: a handful, more where the beam grazes
   constexpr double kConvergedMm = 1e-10;  // a tenth of what zero errors are held to
   constexpr double kGrazing = 0.02;       // 1.1 degrees between ray and surface: a step would run away
   PartHit hit = facet_hit;
+  const Vec3 start_mm = ray.origin_mm + hit.range_mm * ray.direction;
+  Vec3 displaced_mm = part.field->displacement_mm(start_mm, facet_hit.normal);
   double previous_range_mm = 0.0, previous_residual_mm = 0.0;
   for (int step = 0; step < kMostSteps; ++step) {
     const Vec3 at = ray.origin_mm + hit.range_mm * ray.direction;
-    const auto found = foot_point(part, at, surface, parameters);
-    if (!found) return std::nullopt;
-    const SurfacePoint& foot = found->foot;
-    const double slope = foot.normal.dot(ray.direction);
+    const auto material = material_point(part, at, surface, parameters, displaced_mm);
+    if (!material) return std::nullopt;
+    const double slope = material->point.normal.dot(ray.direction);
     if (std::abs(slope) < kGrazing) return std::nullopt;
-    const double displaced_mm = foot.normal.dot(part.field->displacement_mm(foot.point_mm, foot.normal));
-    const double residual_mm = foot.normal.dot(at - foot.point_mm) - displaced_mm;
-    surface = found->surface;
+    surface = material->surface;
+    parameters = material->point.parameters;
+    const double residual_mm = material->beyond_mm;
     if (std::abs(residual_mm) < kConvergedMm) {
       hit.surface = surface;
-      hit.displaced_mm = displaced_mm;
       hit.refined = true;
       return hit;
     }
-    // The displaced surface leans against the nominal one by the field's slope, at a narrow edge by a third
-    // of a radian: the nominal normal alone would lead a slanting beam astray.
+    // The displaced surface leans against the nominal one by the field's slope: the nominal normal alone
+    // would lead a slanting beam astray.
     const double secant = (residual_mm - previous_residual_mm) / (hit.range_mm - previous_range_mm);
     const double rate = step > 0 && secant * slope > 0.0 ? secant : slope;
     previous_range_mm = hit.range_mm;
     previous_residual_mm = residual_mm;
     hit.range_mm -= residual_mm / rate;
-    parameters = foot.parameters;
   }
   return std::nullopt;
 }
@@ -155,7 +182,7 @@ std::optional<PartHit> meet_exact_surface(const VirtualPart& part, const Ray& ra
 
 PartHit on_facet(const VirtualPart& part, const RayHit& cast) {
   return {cast.range_mm,    cast.normal, cast.facet, part.model->surface_of(cast.facet),
-          cast.barycentric, false,       0.0};
+          cast.barycentric, false};
 }
 
 // The beam passes by the CAD surface of some facets that it meets: those that stand out of the part, at its
@@ -242,9 +269,18 @@ void first_hits(const VirtualPart& part, std::span<const Ray> rays, double max_r
 
 double true_deviation_mm(const VirtualPart& part, const Ray& ray, const PartHit& hit) {
   if (!part.field) return 0.0;
-  if (hit.refined) return hit.displaced_mm;
   const Vec3 point_mm = ray.origin_mm + hit.range_mm * ray.direction;
-  return part.nominal_normals->signed_distance_mm(part.nominal_tree->query(point_mm), point_mm);
+  const ClosestPoint nearest = part.nominal_tree->query(point_mm);
+  const double from_facets_mm = part.nominal_normals->signed_distance_mm(nearest, point_mm);
+  if (!hit.refined) return from_facets_mm;
+  const auto found = foot_point(part, point_mm, part.nominal->model.surface_of(nearest.facet),
+                                parameters_beside(*part.nominal, nearest.facet, point_mm));
+  if (!found) return from_facets_mm;
+  const double from_surface_mm = found->foot.normal.dot(point_mm - found->foot.point_mm);
+  // Beyond a sharp edge that moved outwards the nearest nominal point is the edge, and not the surface's
+  // continuation.
+  const double agreement_mm = part.nominal->chord_tolerance_mm + kTrimMarginMm;
+  return std::abs(from_surface_mm - from_facets_mm) <= agreement_mm ? from_surface_mm : from_facets_mm;
 }
 
 }  // namespace trueblade

@@ -56,9 +56,8 @@ struct PartHit {
   std::uint32_t facet;    // of the virtual part's model
   std::uint32_t surface;  // CAD surface that was met: the facet's, or in `exact` mode a neighbour of it
   Vec2 barycentric;       // weights of the facet's corners 1 and 2
-  bool
-      refined;  // `exact` mode: the CAD surface was met; false (form errors only): its facet stands in for it
-  double displaced_mm;  // when refined: displacement of the part along the CAD surface's normal
+  // `exact` mode: the CAD surface was met; false (form errors only): its facet stands in for it.
+  bool refined;
 };
 
 // First hit of the ray within [0, max_range_mm]. In `exact` mode of a part without form errors only CAD
@@ -72,7 +71,8 @@ void first_hits(const VirtualPart& part, std::span<const Ray> rays, double max_r
                 std::span<std::optional<PartHit>> hits);
 
 // True deviation of the hit from the nominal part, positive outside the material: from the CAD surface where
-// the hit is refined, else from the nominal facets. 0 for a part without form errors.
+// the hit is refined and has a foot point on it, else from the nominal facets. 0 for a part without form
+// errors.
 double true_deviation_mm(const VirtualPart& part, const Ray& ray, const PartHit& hit);
 
 }  // namespace trueblade

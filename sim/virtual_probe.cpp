@@ -113,7 +113,8 @@ void draw_probe(const Rng& stream, std::uint64_t start, std::uint64_t first, std
 }
 
 ProbeReading read_probe(const VirtualPart& part, const SensorModel& model, const Lens& lens, const Ray& beam,
-                        const Vec3& smear_mm, const ProbeDraws& draws, const std::optional<PartHit>& hit) {
+                        const Vec3& smear_mm, const ProbeDraws& draws, const std::optional<PartHit>& hit,
+                        double light) {
   ProbeReading result{};
   if (!hit) {
     result.reading.flags.missed = true;
@@ -142,7 +143,7 @@ ProbeReading read_probe(const VirtualPart& part, const SensorModel& model, const
   if (draws.reflection_draw < model.multiple_reflection * model.finish.specular_share)
     if (const auto doubled = doubled_range_mm(part, lens, beam, *hit)) seen.range_mm = *doubled;
 
-  result.reading = read_sensor(model, lens, seen.range_mm, seen.incidence_cosine, seen.contrast,
+  result.reading = read_sensor(model, lens, seen.range_mm, seen.incidence_cosine, light * seen.contrast,
                                draws.speckle_deviate, draws.noise_deviate);
   return result;
 }

@@ -45,7 +45,9 @@ void draw_probe(const Rng& stream, std::uint64_t start, std::uint64_t first, std
 // Multiple reflection: of the light on a glossy surface, the mirrored beam may meet the part again and return
 //   from there; the reading is then half of that path. It happens to a share of the points
 //   (SensorModel::multiple_reflection) near concave corners.
+// `light`: the share of it that the part does not cut off on its way (see free_light).
 ProbeReading read_probe(const VirtualPart& part, const SensorModel& model, const Lens& lens, const Ray& beam,
-                        const Vec3& smear_mm, const ProbeDraws& draws, const std::optional<PartHit>& hit);
+                        const Vec3& smear_mm, const ProbeDraws& draws, const std::optional<PartHit>& hit,
+                        double light = 1.0);
 
 }  // namespace trueblade

@@ -137,6 +137,11 @@ void write_inputs(const ScratchFolder& folder) {
                "scan: {views: [{name: front}, {name: back, theta_deg: 180}], spacing_mm: 0.5}\n");
   folder.write("never_returns.yaml", scenario("{file: cube.obj, unit: cm}",
                                               "machine: {simulation: {sensor: {noise_to_signal: 100}}}\n"));
+  // A mirror seen at 30 and 60 degrees.
+  folder.write(
+      "never_returns_aslant.yaml",
+      "part: {file: cube.obj, unit: cm}\nscan: {views: [{name: aslant, theta_deg: 30}], spacing_mm: 0.5}\n"
+      "machine: {simulation: {sensor: {finish: {specular_share: 1, lobe_exponent: 200}}}}\n");
   folder.write(
       "part_elsewhere.yaml",
       scenario("{file: cube.obj, unit: cm}", "machine: {simulation: {errors: {fixture_y: {mean_mm: 5}}}}\n"));
@@ -405,7 +410,13 @@ INSTANTIATE_TEST_SUITE_P(
                  {"view front", "the table would turn while the probe stands in the way"}},
         BadInput{"a beam that never returns",
                  inspect("never_returns.yaml"),
-                 {"noise_to_signal is 100", "never returns"}},
+                 {"the beam would never return", "noise_to_signal (100)"}},
+        BadInput{"a beam that never returns from the planned incidences",
+                 inspect("never_returns_aslant.yaml"),
+                 {"view aslant: the beam would never return", "below missed_snr (0.02)"}},
+        BadInput{"the same by the plan",
+                 {"plan", "never_returns_aslant.yaml", "--out", "out"},
+                 {"view aslant", "planned points would send no light back"}},
         BadInput{"range image missing", {"image", "none.exr"}, {"none.exr", "missing"}},
         BadInput{"range image of another format", {"image", "wrong.ply"}, {"wrong.ply", "OpenEXR"}},
         BadInput{"plan and its angles contradict",

@@ -107,7 +107,7 @@ TEST(Inspect, RangeImageIsReadBack) {
   EXPECT_EQ(image["seed"], 5);
   std::map<std::string, Json> channels;
   for (const Json& channel : image["channels"]) channels[channel["name"]] = channel;
-  EXPECT_EQ(channels.size(), 14u);
+  EXPECT_EQ(channels.size(), 18u);
   EXPECT_EQ(channels.at("true_deviation")["max"], 0.0);
   // Three faces about the space diagonal, seen along it: 54.7 degrees, and less where a point lies at an
   // edge.

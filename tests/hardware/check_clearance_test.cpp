@@ -82,6 +82,31 @@ TEST(CheckClearance, RefusesAHomeInsideThePart) {
             std::string::npos);
 }
 
+// The machine stands beside the ball, or behind it: along the beam it comes free from the side, and not
+// through the ball.
+TEST(CheckClearance, TheWayFromWhereTheMachineStandsIsHeldAgainstThePart) {
+  const Scene scene;
+  const ProbeClearance clearance(scene.part.model, scene.options.probe);
+  const auto verdict = [&](const AxisPositions& from, const std::vector<AxisPositions>& way) -> std::string {
+    try {
+      check_first_way("front", scene.geometry, scene.part.model, scene.part_from_mcs, clearance,
+                      scene.options.probe, from, way);
+    } catch (const InputError& refused) {
+      return refused.what();
+    }
+    return "free";
+  };
+  // Radii of ball and housing and the clearance: 26 mm from axis to axis. The probe origin lies 20 mm beyond
+  // the middle of the ball, the round front of the housing is 15 mm long.
+  const AxisPositions beside{26.5, -120.0, 0.0, 0.0}, too_near{25.5, -120.0, 0.0, 0.0};
+  const AxisPositions out_beside{26.5, 0.0, 0.0, 0.0}, before{0.0, -50.0, 0.0, 0.0};
+  EXPECT_EQ(verdict(beside, {out_beside, before}), "free");
+  EXPECT_NE(verdict(too_near, {{25.5, 0.0, 0.0, 0.0}}).find("the way from where the machine stands"),
+            std::string::npos);
+  EXPECT_NE(verdict(beside, {before}).find("the probe would touch the part"), std::string::npos);
+  EXPECT_NE(verdict(beside, {{26.5, -120.0, 0.0, 1.0}}).find("the table would turn"), std::string::npos);
+}
+
 TEST(CheckClearance, TurningLimitIsTheSweptRadiusLessTheClearance) {
   const Scene scene;
   // The beam runs along -y: the ball of 10 mm begins at -10 along it.

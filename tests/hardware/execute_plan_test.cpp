@@ -188,6 +188,45 @@ TEST(ExecutePlan, AResumedScanComesAndGoesAlongTheBeam) {
   expect_at(3, 0, 40, 0, 0);
 }
 
+// A scan that begins while the probe stands deep in the part first withdraws, too; the way is shown before.
+TEST(ExecutePlan, TheFirstWayIsShownBeforeAnythingMoves) {
+  ScanPlan plan = two_lines();
+  plan.lines[0].approach = {{0, 40, 0, 0}};
+  plan.retreat = {{0, 40, 0, 0}};
+  RecordingDriver driver;
+  driver.present = MachineState::idle;
+  driver.at = {7, 3, 5, 0};
+  ExecutionOptions options;
+  options.check_first_way = [&](const AxisPositions& from, std::span<const AxisPositions> way) {
+    EXPECT_TRUE(driver.moves.empty());
+    EXPECT_EQ(from.y_mm, 3.0);
+    ASSERT_EQ(way.size(), 3u);
+    EXPECT_EQ(way[0].x_mm, 7.0);
+    EXPECT_EQ(way[0].y_mm, 40.0);
+    EXPECT_EQ(way[2].y_mm, 0.0);
+    throw InputError("in the way");
+  };
+  EXPECT_THROW(execute_plan(driver, {}, plan, options), InputError);
+  EXPECT_TRUE(driver.moves.empty());
+  options.check_first_way = {};
+  execute_plan(driver, {}, plan, options);
+  EXPECT_EQ(driver.moves[0].x_mm, 7.0);
+  EXPECT_EQ(driver.moves[0].y_mm, 40.0);
+  EXPECT_EQ(driver.moves[2].y_mm, 0.0);
+}
+
+TEST(ExecutePlan, AWayBackOutOfTravelIsRefused) {
+  ScanPlan plan = two_lines();
+  plan.retreat = {{0, 40, 0, 0}};
+  RecordingDriver driver;
+  driver.present = MachineState::idle;
+  driver.at = {60, 3, 5, 0};
+  ExecutionOptions options;
+  options.measured_before.resize(4);
+  EXPECT_THROW(execute_plan(driver, {}, plan, options), InputError);
+  EXPECT_TRUE(driver.moves.empty());
+}
+
 TEST(ExecutePlan, AFinishedScanDoesNotMove) {
   RecordingDriver driver;
   ExecutionOptions options;

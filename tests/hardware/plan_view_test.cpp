@@ -229,5 +229,53 @@ TEST(PlanView, ImpossibleOptionsAreRefusedByName) {
   EXPECT_NE(message_of(steep).find("max_incidence"), std::string::npos);
 }
 
+// The top of the wall is 1 mm wide: a raster of 9 mm, centred on the plate, passes it by at 9 and 18 mm. That
+// is no matter of sight, and the refusal says so; from behind it is.
+TEST(PlanView, ARasterTooCoarseForASurfaceIsCalledThat) {
+  const Part part = testing::plate_with_wall(3.0);
+  const RayCaster caster(part.model);
+  PlanOptions options;
+  options.surfaces = {1};
+  const auto refusal = [&]() -> std::string {
+    try {
+      plan_view({}, standard_lens("25mm"), part, caster, {}, options);
+    } catch (const NothingToMeasure& refused) {
+      return refused.what();
+    }
+    return "planned";
+  };
+  options.spacing_mm = 9.0;
+  const std::string coarse = refusal();
+  EXPECT_NE(coarse.find("spacing_mm is 9, too coarse for the chosen surfaces"), std::string::npos) << coarse;
+  EXPECT_NE(coarse.find("1 x 40 mm"), std::string::npos) << coarse;
+  options.spacing_mm = 0.5;
+  EXPECT_EQ(refusal(), "planned");
+  options.spacing_mm = 9.0;
+  options.theta_rad = kPi;
+  const std::string behind = refusal();
+  EXPECT_NE(behind.find("nothing of the chosen surfaces"), std::string::npos) << behind;
+  EXPECT_NE(behind.find("faces away"), std::string::npos) << behind;
+}
+
+TEST(PlanView, SaysWhatEachPositionMeets) {
+  const Part part = testing::sphere(12.0, 200);
+  const RayCaster caster(part.model);
+  PlanOptions options;
+  options.standoff_spread_mm = 0.2;
+  const MachineGeometry geometry;
+  const ScanPlan plan = plan_view(geometry, standard_lens("25mm"), part, caster, {}, options);
+  ASSERT_EQ(plan.points.size(), plan.point_count());
+  std::size_t k = 0;
+  for (const PlannedLine& line : plan.lines)
+    for (const AxisPositions& axes : line.path) {
+      const PlannedPoint& point = plan.points[k++];
+      // Facets of 0.9 degrees: the normal is off by no more than half of their diagonal.
+      const double cosine = std::sqrt(1.0 - (axes.x_mm * axes.x_mm + axes.z_mm * axes.z_mm) / 144.0);
+      EXPECT_NEAR(std::acos(point.incidence_cosine), std::acos(cosine), 0.012);
+      EXPECT_NEAR(axes.y_mm - point.range_mm, 12.0 * cosine, 0.01);
+      EXPECT_EQ(point.surface, 0u);
+    }
+}
+
 }  // namespace
 }  // namespace trueblade

@@ -2,6 +2,7 @@
 // files that are missing, empty, of another format, truncated or damaged at every place; contradictory sizes.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -67,7 +68,7 @@ bool same_bits(const std::vector<float>& a, const std::vector<float>& b) {
 
 TEST(RangeImage, EveryPointIsInItsCell) {
   const RangeImage image = small_image();
-  ASSERT_EQ(image.channels.size(), 14U);
+  ASSERT_EQ(image.channels.size(), 18U);
   // Sample 4 is point 3 (sample 1 gave none) and lies in cell 11 - 4 = 7.
   EXPECT_EQ(image.find("range")->values[7], 25.04F);
   EXPECT_EQ(image.find("snr")->values[7], 0.2F);
@@ -85,20 +86,47 @@ TEST(RangeImage, EveryPointIsInItsCell) {
   EXPECT_EQ(image.find("colour"), nullptr);
 }
 
+// Green at 0, red at and beyond the limit, half way between them yellow; R, G, B are light and no sRGB.
+// Outliers are black and not transparent, cells without a point transparent.
+TEST(RangeImage, ViewersSeeTheColoursOfTheReport) {
+  const ViewScan view = small_view();
+  Deviations d = deviations_for(view);
+  RunFacts run;
+  run.colour_limit_mm = 0.01;
+  d.signed_mm[0] = 0.0;       // cell 11
+  d.signed_mm[1] = 0.02;      // sample 2, cell 9
+  d.signed_mm[3] = 0.005;     // sample 4, cell 7
+  d.signed_mm[4] = -0.00125;  // sample 6, cell 5: half way from green to the anchor (0, 255, 128)
+  const RangeImage image = range_image_of(view, d, {}, run, kBeam);
+  const auto rgba = [&](std::size_t cell) {
+    return std::array<float, 4>{image.find("R")->values[cell], image.find("G")->values[cell],
+                                image.find("B")->values[cell], image.find("A")->values[cell]};
+  };
+  EXPECT_EQ(rgba(11), (std::array<float, 4>{0, 1, 0, 1}));
+  EXPECT_EQ(rgba(9), (std::array<float, 4>{1, 0, 0, 1}));
+  EXPECT_EQ(rgba(7), (std::array<float, 4>{1, 1, 0, 1}));
+  EXPECT_EQ(rgba(8), (std::array<float, 4>{0, 0, 0, 1}));  // point 2 is an outlier
+  EXPECT_EQ(rgba(6), (std::array<float, 4>{0, 0, 0, 0}));  // no point
+  // sRGB 64 of 255 is a light of ((64 / 255 + 0.055) / 1.055)^2.4 = 0.0513.
+  EXPECT_NEAR(rgba(5)[2], 0.0513, 5e-5);
+}
+
 // The beam along -z of the part meets the normal (0.6, 0, 0.8) at acos(0.8); the table turned by a right
 // angle about z leaves that, tilted about y so that the beam runs against the normal makes it zero.
 TEST(RangeImage, IncidenceIsBetweenBeamAndNormal) {
   const ViewScan view = small_view();
   const Deviations d = deviations_for(view);
   const auto incidence = [&](const RigidTransform& part_from_mcs) {
-    return range_image_of(view, d, part_from_mcs, {}, -Vec3::UnitZ()).find("incidence")->values[7];
+    return range_image_of(view, d, part_from_mcs, example_result().run, -Vec3::UnitZ())
+        .find("incidence")
+        ->values[7];
   };
   EXPECT_FLOAT_EQ(incidence({}), static_cast<float>(std::acos(0.8)));
   EXPECT_FLOAT_EQ(incidence({rotation_from_vector({0, 0, 1.5}), Vec3::Zero()}),
                   static_cast<float>(std::acos(0.8)));
   // acos near 1 turns a rounding of 1e-16 into its root.
   EXPECT_NEAR(incidence({rotation_from_vector({0, std::acos(0.8), 0}), Vec3::Zero()}), 0.0, 1e-7);
-  EXPECT_EQ(range_image_of(view, d, {}, {}, kBeam).find("true_deviation"), nullptr);
+  EXPECT_EQ(range_image_of(view, d, {}, example_result().run, kBeam).find("true_deviation"), nullptr);
 }
 
 TEST(RangeImage, RefusesNumbersThatDisagree) {

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "sim/simulated_machine.h"
@@ -161,14 +162,16 @@ inline double effect_of(const ErrorScene& scene, ErrorSource source, const Probe
 }
 
 // The values of the source, drawn for each point, as its effect on the reported points tells them: distance
-// of the reported point from the nominal plane over effect_of.
+// of the reported point from the nominal plane over effect_of. `count` of them.
 inline std::vector<double> observed_values(ErrorScene scene, ErrorSource source, double mean, double sigma,
                                            std::size_t count) {
   scene.setup.errors[source] = {mean, sigma, ErrorScope::point};
   SimulatedMachine machine(scene.part, scene.setup);
   machine.connect();
   machine.home();
-  const auto path = error_scene_path(scene, count);
+  // Some positions show nothing of the source (a lever arm or a speed passes zero there): half as many again
+  // do for every source.
+  const auto path = error_scene_path(scene, count + count / 2);
   machine.move_to(path.front());
   std::vector<ProbeSample> samples;
   machine.scan_line(path, [&](const ProbeSample& sample) {
@@ -176,17 +179,20 @@ inline std::vector<double> observed_values(ErrorScene scene, ErrorSource source,
     return true;
   });
   const MachineGeometry& geometry = scene.setup.geometry;
+  const auto motion = line_motion(scene.setup.dynamics, scene.setup.lens, path.front(), path);
   std::vector<double> values;
-  for (std::size_t k = 1; k < samples.size(); ++k) {  // the first is taken at rest
-    const double interval_s = samples[k].time_s - samples[k - 1].time_s;
-    const Vec3 velocity = (stage_from_probe(geometry, path[k]).translation_mm -
-                           stage_from_probe(geometry, path[k - 1]).translation_mm) /
-                          interval_s;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const AxisPositions& axis_velocity = motion[k].velocity_per_s;
+    const Vec3 velocity = geometry.axis_direction[0] * axis_velocity.x_mm +
+                          geometry.axis_direction[1] * axis_velocity.y_mm +
+                          geometry.axis_direction[2] * axis_velocity.z_mm;
     const Vec3 reported = scene.setup.part_from_mcs * point_in_mcs_mm(geometry, samples[k]);
     const double effect = effect_of(scene, source, samples[k], velocity);
     // Where an effect changes its sign the source cannot be observed.
-    if (std::abs(effect) > 0.1) values.push_back(scene.plane_normal.dot(reported) / effect);
+    if (std::abs(effect) > 0.1 && values.size() < count)
+      values.push_back(scene.plane_normal.dot(reported) / effect);
   }
+  if (values.size() < count) throw std::logic_error("too few positions show the source");
   return values;
 }
 

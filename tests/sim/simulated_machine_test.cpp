@@ -81,6 +81,29 @@ TEST(SimulatedMachine, TheTruePoseTakesMeasuredPointsOntoThePart) {
         1e-9);
 }
 
+// A part that rattles in its fixture, for every line or point anew: the true pose is its mean place, and the
+// measured points scatter about it.
+TEST(SimulatedMachine, ThePoseOfARattlingPartIsItsMean) {
+  constexpr double kSigmaMm = 0.01;
+  for (const ErrorScope scope : {ErrorScope::line, ErrorScope::point}) {
+    Scene scene(testing::plate(0.0, 19.9));
+    scene.setup.sensor = perfect_sensor();
+    scene.setup.errors[ErrorSource::part_y] = {0.05, kSigmaMm, scope};
+    scene.setup.errors[ErrorSource::fixture_y] = {0.0, 0.02, ErrorScope::setup};
+    SimulatedMachine machine = scene.machine();
+    PlanOptions options;
+    options.spacing_mm = 0.2;
+    const ViewScan scan = execute_plan(machine, scene.setup.geometry, scene.plan(options));
+    const SimulationTruth truth = machine.take_truth();
+    ASSERT_EQ(scan.points.size(), 100u * 100u);
+    double sum = 0.0;  // of the distances from the plate at its true pose
+    for (const Vec3& p : scan.points.position_mcs_mm) sum += (truth.part_from_mcs * p).y();
+    const double draws = scope == ErrorScope::line ? 100.0 : 10'000.0;
+    EXPECT_NEAR(sum / 1e4, 0.0, 4.0 * kSigmaMm / std::sqrt(draws));
+    EXPECT_NE(truth.part_from_mcs.translation_mm.y(), -0.05);  // the set-up's draw is in it
+  }
+}
+
 TEST(SimulatedMachine, DistanceNoiseHasTheLenssSigma) {
   Scene scene(testing::plate(0.0, 19.9));
   scene.setup.sensor.speckle = 0.0;  // plain Gaussian
@@ -196,12 +219,16 @@ TEST(SimulatedMachine, SamplesTakenLateAreShiftedByVelocityTimesDelay) {
   machine.home();
   const double y_mm = -25.0;  // the mount adds 50: standoff of the plate at y = 0
   machine.move_to({0.0, y_mm, 0.0, 0.0});
-  // 1 mm per sample at the axes' 50 mm/s: 20 ms each.
-  const std::vector<AxisPositions> path{{1, y_mm, 0, 0}, {2, y_mm, 0, 0}, {3, y_mm, 0, 0}};
+  // At 500 mm/s^2 and 50 mm/s: ramps of 2.5 mm at both ends.
+  std::vector<AxisPositions> path;
+  for (int k = 1; k <= 9; ++k) path.push_back({static_cast<double>(k), y_mm, 0, 0});
   machine.scan_line(path, [](const ProbeSample&) { return true; });
   const SimulationTruth truth = machine.take_truth();
   for (std::size_t k = 0; k < path.size(); ++k)
-    EXPECT_NEAR(truth.hits[k]->point_pcs_mm.x(), path[k].x_mm + 0.001 * 50.0, 1e-12);
+    EXPECT_NEAR(truth.hits[k]->point_pcs_mm.x(),
+                path[k].x_mm + 0.001 * std::min(50.0, std::sqrt(2.0 * 500.0 *
+                                                                std::min(path[k].x_mm, 9.0 - path[k].x_mm))),
+                1e-9);
 }
 
 TEST(SimulatedMachine, TheClockKeepsToThePlansEstimate) {
@@ -209,11 +236,11 @@ TEST(SimulatedMachine, TheClockKeepsToThePlansEstimate) {
   const ScanPlan plan = scene.plan({});
   SimulatedMachine machine = scene.machine();
   const ViewScan scan = execute_plan(machine, scene.setup.geometry, plan);
-  // The estimate counts the way between samples; the machine also takes one sampling interval at the first
-  // position of each line.
-  const double estimate_s = estimated_time_s(plan, scene.setup.dynamics, scene.setup.lens, {}) +
-                            1e-3 * static_cast<double>(plan.lines.size());
-  EXPECT_NEAR(scan.samples.back().time_s, estimate_s, 1e-9);
+  const double retreat_s =
+      move_time_s(scene.setup.dynamics, plan.lines.back().path.back(), plan.retreat.front());
+  const double estimate_s = estimated_time_s(plan, scene.setup.dynamics, scene.setup.lens, {});
+  ASSERT_EQ(plan.retreat.size(), 1u);
+  EXPECT_NEAR(scan.samples.back().time_s, estimate_s - retreat_s, 1e-9);
 }
 
 TEST(SimulatedMachine, NothingMovesBeforeConnectingAndHoming) {

@@ -9,7 +9,10 @@
 #include <numbers>
 
 #include "geometry/error.h"
+#include "sim/vignetting.h"
 #include "tests/hardware/analytic_parts.h"
+#include "tests/part/cad_files.h"
+#include "tests/part/temporary_folder.h"
 
 namespace trueblade {
 namespace {
@@ -153,6 +156,54 @@ TEST(VirtualProbe, TheTrueDeviationIsTheFormErrorThatWasPutIn) {
     EXPECT_NEAR(reading.truth->deviation_mm, put_in, 0.005);
     EXPECT_NEAR(reading.truth->deviation_mm, 25.0 - reading.truth->range_mm, 1e-12);
   }
+}
+
+// A wall of 6 mm beside the point: towards the rim of an aperture of 3 mm at 25 mm light rises by 25 mm on 3
+// mm aside, so that at 6 mm it is 6 * 3 / 25 = 0.72 mm aside. Of eight rays one goes straight to the wall,
+// two at 45 degrees reach it cos 45 as far: 0.51 mm.
+TEST(VirtualProbe, AWallBesideThePointCutsLightOff) {
+  const VirtualPart part = virtual_part(testing::plate_with_wall(6.0));  // its face at x = 10
+  const Lens lens = standard_lens("25mm");
+  const auto light_at = [&](double before_wall_mm) {
+    const Ray beam{{10.0 - before_wall_mm, 25.0, 0.1}, -Vec3::UnitY()};
+    return free_light(part, beam, *first_hit(part, beam, std::numeric_limits<double>::infinity()), 3.0);
+  };
+  // unitOrthogonal of -y lies along an axis of the plate.
+  EXPECT_EQ(light_at(0.73), 1.0);
+  EXPECT_EQ(light_at(0.71), 7.0 / 8.0);
+  EXPECT_EQ(light_at(0.52), 7.0 / 8.0);
+  EXPECT_EQ(light_at(0.50), 5.0 / 8.0);
+
+  // Signal, and with it SNR and noise, follow the light.
+  const Ray beam{{9.9, 25.0, 0.1}, -Vec3::UnitY()};
+  const auto hit = first_hit(part, beam, 100.0);
+  SensorModel model = noiseless();
+  model.spot_scale = 0.0;
+  const auto reading_with = [&](double light) {
+    return read_probe(part, model, lens, beam, Vec3::Zero(), {}, hit, light).reading;
+  };
+  EXPECT_DOUBLE_EQ(reading_with(0.5).snr, signal_to_noise(model, 0.5 * mean_signal(model, lens, 0.0, 1.0)));
+  EXPECT_TRUE(reading_with(0.0).flags.missed);
+}
+
+// Where nothing stands beside it, a point of the exact surface does not lie in the shadow of its own facets.
+TEST(VirtualProbe, NoFacetCutsOffTheLightOfItsOwnSurface) {
+  const TemporaryFolder folder;
+  write_test_shape(TestShape::cylinder, folder / "shape.step");
+  PartOptions options;
+  options.faceting.chord_tolerance_mm = 0.1;
+  const auto made = std::make_shared<const Part>(read_part(folder / "shape.step", options));
+  const VirtualPart part = make_virtual_part(made, std::make_shared<const RayCaster>(made->model),
+                                             PartSurfaceMode::exact, {}, 1, 0);
+  int looked_at = 0;
+  for (double x = -4.5; x <= 4.5; x += 0.01) {  // of a radius of 5: to 64 degrees
+    const Ray beam{{x, 30.0, 6.0}, -Vec3::UnitY()};
+    const auto hit = first_hit(part, beam, 100.0);
+    ASSERT_TRUE(hit.has_value());
+    EXPECT_EQ(free_light(part, beam, *hit, 3.0), 1.0) << x;
+    ++looked_at;
+  }
+  EXPECT_GT(looked_at, 800);
 }
 
 TEST(VirtualPart, ExactIsRefusedWithoutCadSurfaces) {
