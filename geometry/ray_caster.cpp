@@ -137,8 +137,9 @@ struct RayCaster::Impl {
   explicit Impl(const FacetModel& model);
   void build_scene(const FacetModel& model, std::span<const std::array<std::uint32_t, 3>> nodes_of_facet);
 
-  // Nothing where the ray passes by the box.
-  std::optional<SceneRay> in_scene(const Ray& ray, double min_range_mm, double max_range_mm) const;
+  // Nothing where the ray passes by the box. The limits are wider by `slack` of the scene.
+  std::optional<SceneRay> in_scene(const Ray& ray, double min_range_mm, double max_range_mm,
+                                   double slack) const;
 
   // The facets that Embree gives for up to kPacket rays, or RTC_INVALID_GEOMETRY_ID; they are on their way
   // from memory then.
@@ -309,16 +310,16 @@ RayCaster::Impl::Impl(const FacetModel& model, std::span<const std::uint32_t> or
   build_scene(model, nodes_of_facet);
 }
 
-std::optional<SceneRay> RayCaster::Impl::in_scene(const Ray& ray, double min_range_mm,
-                                                  double max_range_mm) const {
+std::optional<SceneRay> RayCaster::Impl::in_scene(const Ray& ray, double min_range_mm, double max_range_mm,
+                                                  double slack) const {
   if (!(min_range_mm <= max_range_mm)) return std::nullopt;
   const Interval in_box = inside(box, ray);
   const double begin = std::max(in_box.begin, min_range_mm), end = std::min(in_box.end, max_range_mm);
   if (!(begin <= end)) return std::nullopt;
   return SceneRay{((ray.origin_mm + in_box.begin * ray.direction - centre_mm) * scene_from_mm).cast<float>(),
                   ray.direction.cast<float>(),
-                  static_cast<float>(std::max(0.0, (begin - in_box.begin) * scene_from_mm - kRangeSlack)),
-                  static_cast<float>((end - in_box.begin) * scene_from_mm + kRangeSlack)};
+                  static_cast<float>(std::max(0.0, (begin - in_box.begin) * scene_from_mm - slack)),
+                  static_cast<float>((end - in_box.begin) * scene_from_mm + slack)};
 }
 
 // Embree's hit does not always count in double: it may lie out of the limits, or just past an outline. Then
@@ -376,7 +377,7 @@ RayCaster::RayCaster(RayCaster&&) noexcept = default;
 RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
 std::optional<RayHit> RayCaster::first_hit(const Ray& ray, double min_range_mm, double max_range_mm) const {
-  const auto scene_ray = impl_->in_scene(ray, min_range_mm, max_range_mm);
+  const auto scene_ray = impl_->in_scene(ray, min_range_mm, max_range_mm, kRangeSlack);
   if (!scene_ray) return std::nullopt;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -392,7 +393,7 @@ void RayCaster::first_hits(std::span<const Ray> rays, double min_range_mm, doubl
   for (std::size_t begin = 0; begin < rays.size(); begin += kTogether) {
     const std::size_t count = std::min(kTogether, rays.size() - begin);
     for (std::size_t k = 0; k < count; ++k)
-      scene_rays[k] = impl_->in_scene(rays[begin + k], min_range_mm, max_range_mm);
+      scene_rays[k] = impl_->in_scene(rays[begin + k], min_range_mm, max_range_mm, kRangeSlack);
     for (std::size_t packet = 0; packet < count; packet += kPacket)
       impl_->facets_of_packet(std::span(scene_rays).subspan(packet, std::min(kPacket, count - packet)),
                               facets.data() + packet);
@@ -400,6 +401,29 @@ void RayCaster::first_hits(std::span<const Ray> rays, double min_range_mm, doubl
       hits[begin + k] = scene_rays[k] ? impl_->first_hit(rays[begin + k], *scene_rays[k], facets[k],
                                                          min_range_mm, max_range_mm)
                                       : std::nullopt;
+  }
+}
+
+void RayCaster::blocked_lines(std::span<const LineOfSight> lines, std::span<bool> blocked) const {
+  std::array<Ray, kTogether> rays;
+  std::array<double, kTogether> lengths_mm;
+  std::array<std::optional<SceneRay>, kTogether> scene_rays;
+  std::array<std::uint32_t, kTogether> facets;
+  for (std::size_t begin = 0; begin < lines.size(); begin += kTogether) {
+    const std::size_t count = std::min(kTogether, lines.size() - begin);
+    for (std::size_t k = 0; k < count; ++k) {
+      const Vec3 way = lines[begin + k].to_mm - lines[begin + k].from_mm;
+      lengths_mm[k] = way.norm();
+      rays[k] = {lines[begin + k].from_mm, way / lengths_mm[k]};
+      // Without slack: a surface from which lines begin would be met by every one of them.
+      scene_rays[k] = impl_->in_scene(rays[k], 0.0, lengths_mm[k], 0.0);
+    }
+    for (std::size_t packet = 0; packet < count; packet += kPacket)
+      impl_->facets_of_packet(std::span(scene_rays).subspan(packet, std::min(kPacket, count - packet)),
+                              facets.data() + packet);
+    for (std::size_t k = 0; k < count; ++k)
+      blocked[begin + k] =
+          scene_rays[k] && impl_->first_hit(rays[k], *scene_rays[k], facets[k], 0.0, lengths_mm[k]);
   }
 }
 

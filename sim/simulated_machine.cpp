@@ -61,6 +61,8 @@ void measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMa
   std::array<ProbeDraws, kPointsTogether> draws;
   std::array<Ray, kPointsTogether> rays;
   std::array<std::optional<PartHit>, kPointsTogether> hits;
+  std::array<double, kPointsTogether> light;
+  light.fill(1.0);
   for (std::size_t begin = 0; begin < at.size(); begin += kPointsTogether) {
     const std::size_t count = std::min(kPointsTogether, at.size() - begin);
     machine.beams_at(at.subspan(begin, count), first_point + begin, std::span(beams).first(count));
@@ -69,13 +71,13 @@ void measure_at(const VirtualPart& part, const VirtualSetup& setup, const TrueMa
     for (std::size_t k = 0; k < count; ++k) rays[k] = beams[k].in_part;
     first_hits(part, std::span(rays).first(count), std::numeric_limits<double>::infinity(),
                std::span(hits).first(count));
+    if (setup.aperture_radius_mm > 0.0)
+      free_light(part, std::span(rays).first(count), std::span(hits).first(count), setup.aperture_radius_mm,
+                 std::span(light).first(count));
     for (std::size_t k = 0; k < count; ++k) {
-      const double light = setup.aperture_radius_mm > 0.0 && hits[k]
-                               ? free_light(part, rays[k], *hits[k], setup.aperture_radius_mm)
-                               : 1.0;
-      const ProbeReading probe =
-          read_probe(part, setup.sensor, setup.lens, rays[k],
-                     setup.sensor.exposure_s * beams[k].velocity_in_part_mm_per_s, draws[k], hits[k], light);
+      const ProbeReading probe = read_probe(part, setup.sensor, setup.lens, rays[k],
+                                            setup.sensor.exposure_s * beams[k].velocity_in_part_mm_per_s,
+                                            draws[k], hits[k], light[k]);
       VirtualMeasurement& m = measured[begin + k];
       m.truth = probe.truth;
       m.sample = {at[begin + k].axes, 0.0, probe.reading.snr, at[begin + k].time_s, probe.reading.flags};

@@ -158,6 +158,12 @@ TEST(VirtualProbe, TheTrueDeviationIsTheFormErrorThatWasPutIn) {
   }
 }
 
+double light_at_hit(const VirtualPart& part, const Ray& beam, const std::optional<PartHit>& hit) {
+  double light = 0.0;
+  free_light(part, {&beam, 1}, {&hit, 1}, 3.0, {&light, 1});
+  return light;
+}
+
 // A wall of 6 mm beside the point: towards the rim of an aperture of 3 mm at 25 mm light rises by 25 mm on 3
 // mm aside, so that at 6 mm it is 6 * 3 / 25 = 0.72 mm aside. Of eight rays one goes straight to the wall,
 // two at 45 degrees reach it cos 45 as far: 0.51 mm.
@@ -166,7 +172,7 @@ TEST(VirtualProbe, AWallBesideThePointCutsLightOff) {
   const Lens lens = standard_lens("25mm");
   const auto light_at = [&](double before_wall_mm) {
     const Ray beam{{10.0 - before_wall_mm, 25.0, 0.1}, -Vec3::UnitY()};
-    return free_light(part, beam, *first_hit(part, beam, std::numeric_limits<double>::infinity()), 3.0);
+    return light_at_hit(part, beam, first_hit(part, beam, std::numeric_limits<double>::infinity()));
   };
   // unitOrthogonal of -y lies along an axis of the plate.
   EXPECT_EQ(light_at(0.73), 1.0);
@@ -200,7 +206,7 @@ TEST(VirtualProbe, NoFacetCutsOffTheLightOfItsOwnSurface) {
     const Ray beam{{x, 30.0, 6.0}, -Vec3::UnitY()};
     const auto hit = first_hit(part, beam, 100.0);
     ASSERT_TRUE(hit.has_value());
-    EXPECT_EQ(free_light(part, beam, *hit, 3.0), 1.0) << x;
+    EXPECT_EQ(light_at_hit(part, beam, hit), 1.0) << x;
     ++looked_at;
   }
   EXPECT_GT(looked_at, 800);
