@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -256,6 +257,29 @@ TEST(RayCaster, ManyRaysHitWhatEachHits) {
     EXPECT_GT(count, 100U);
     EXPECT_LT(count, 1000U);
   }
+}
+
+// A line between two points outside a sphere is blocked where it passes the centre nearer than the radius.
+// The facets (edges of 1.4 mm) lie within 1.4^2 / (2 * 20) = 0.05 mm below the sphere.
+TEST(RayCaster, ALineOfSightIsBlockedByWhatStandsOnIt) {
+  const RayCaster caster(model_of(shapes::sphere(20.0, 4)));
+  Rng rng(5, 0, "lines of sight");
+  std::vector<LineOfSight> lines;
+  for (int i = 0; i < 2000; ++i)
+    lines.push_back({40.0 * rng.normal_vector().normalized(), 25.0 * rng.normal_vector().normalized()});
+  const auto blocked = std::make_unique<bool[]>(lines.size());
+  caster.blocked_lines(lines, {blocked.get(), lines.size()});
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const Vec3 way_mm = lines[i].to_mm - lines[i].from_mm;
+    const double nearest = std::clamp(-lines[i].from_mm.dot(way_mm) / way_mm.squaredNorm(), 0.0, 1.0);
+    const double from_centre_mm = (lines[i].from_mm + nearest * way_mm).norm();
+    if (from_centre_mm > 19.95 && from_centre_mm < 20.0) continue;
+    EXPECT_EQ(blocked[i], from_centre_mm < 20.0) << i;
+    count += blocked[i] ? 1 : 0;
+  }
+  EXPECT_GT(count, 500U);
+  EXPECT_LT(count, 1800U);
 }
 
 }  // namespace
