@@ -47,7 +47,7 @@ void bring_to_start(const LinuxCncSettings& settings) {
 
 Stop stop_once(const LinuxCncSettings& settings, double at_mm, bool hang) {
   bring_to_start(settings);
-  RshClient commands(settings.commands);
+  RshClient commands(settings.commands, [] {});
   SampleStream samples(settings.commands.host, settings.sample_port, settings.commands.timeout_s);
   commands.set("mode auto");
   while (commands.get("mode").text != "AUTO") std::this_thread::sleep_for(std::chrono::milliseconds(20));
