@@ -33,9 +33,13 @@ struct Stop {
   double time_s, way_mm;
 };
 
+// That the watchdog has ended motion is what is measured here.
 LatchedSample next(SampleStream& samples) {
-  for (;;)
-    if (const auto sample = samples.next(1.0)) return *sample;
+  for (;;) try {
+      if (const auto sample = samples.next(1.0)) return *sample;
+    } catch (const MachineFault& fault) {
+      if (fault.kind() != MachineFault::Kind::interrupted) throw;
+    }
 }
 
 void bring_to_start(const LinuxCncSettings& settings) {

@@ -247,6 +247,7 @@ class Server {
         break;
       case DriverRequest::Kind::hold:
         hold_.set(true);
+        loss_told_ = true;  // nothing is left to be ended
         break;
       case DriverRequest::Kind::program:
         store(request.program);

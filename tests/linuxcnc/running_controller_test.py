@@ -242,7 +242,8 @@ class OnTheController(unittest.TestCase):
 
     def wait_for_way_from(self, x_mm, process):
         while abs(x_of_the_encoder() - x_mm) < 20:
-            self.assertIsNone(process.poll(), "ended before it moved")
+            if process.poll() is not None:
+                self.fail("ended before it moved: " + process.communicate()[1])
             time.sleep(0.02)
 
     def ends_interrupted(self, process):
@@ -296,7 +297,8 @@ class RunningController(OnTheController):
         """The process, in the middle of its scan."""
         process = subprocess.Popen(self.command(scenario_text(**scenario)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         while self.journal_bytes() < MIDDLE_BYTES:
-            self.assertIsNone(process.poll(), "ended before the scan began")
+            if process.poll() is not None:
+                self.fail("ended before the scan began: " + process.communicate()[1])
             time.sleep(0.02)
         return process
 
