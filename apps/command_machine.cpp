@@ -2,8 +2,10 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
 
 #include "apps/calibrate_machine.h"
 #include "apps/command_machine.h"
@@ -12,6 +14,7 @@
 #include "apps/machine_fields.h"
 #include "apps/on_machine.h"
 #include "geometry/atomic_file.h"
+#include "geometry/error.h"
 #include "hardware/linuxcnc/linuxcnc_machine.h"
 
 namespace trueblade {
@@ -79,6 +82,8 @@ void home(LinuxCncMachine& machine) {
 }
 
 void jog(LinuxCncMachine& machine, const MachineOptions& options) {
+  if (!std::isfinite(options.by))
+    throw InputError(fmt::format("--by is {}, must be a finite number", options.by));
   AxisPositions target = machine.position();
   if (options.axis == "x") target.x_mm += options.by;
   if (options.axis == "y") target.y_mm += options.by;
@@ -116,24 +121,33 @@ int record(const MachineOptions& options) {
   std::size_t taken = 0, silent = 0;
   std::uint32_t reading = 0;
   Progress progress("record");
+  const auto take_one = [&](std::ostream& out) {
+    const auto sample = samples.next(access.timeout_s);
+    if (!sample) throw MachineFault(MachineFault::Kind::sensor, "no sample came within the time");
+    const auto& at = sample->axes;
+    out << fmt::format("{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.4f},{},{}\n",
+                       period_s * sample->sequence, at[0], at[1], at[2], at[3], sample->distance_mm,
+                       sample->snr, sample->flags, sample->reading);
+    if (taken > 0 && sample->reading == reading) ++silent;
+    reading = sample->reading;
+    ++taken;
+    if (taken % 100 == 0) progress.report(taken, wanted);
+  };
+  std::optional<MachineFault> fault;  // what came before it is kept
   const auto start = std::chrono::steady_clock::now();
   write_file_atomically(options.out, [&](std::ostream& out) {
     out << "time_s,x_mm,y_mm,z_mm,theta_deg,distance_mm,snr,flags,reading\n";
     samples.start_samples();
-    while (taken < wanted && !interrupted()) {
-      const auto sample = samples.next(access.timeout_s);
-      if (!sample) throw MachineFault(MachineFault::Kind::sensor, "no sample came within the time");
-      const auto& at = sample->axes;
-      out << fmt::format("{:.4f},{:.6f},{:.6f},{:.6f},{:.6f},{:.6f},{:.4f},{},{}\n",
-                         period_s * sample->sequence, at[0], at[1], at[2], at[3], sample->distance_mm,
-                         sample->snr, sample->flags, sample->reading);
-      if (taken > 0 && sample->reading == reading) ++silent;
-      reading = sample->reading;
-      ++taken;
-      if (taken % 100 == 0) progress.report(taken, wanted);
+    try {
+      while (taken < wanted && !interrupted()) take_one(out);
+    } catch (const MachineFault& failure) {
+      fault = failure;
     }
   });
   const double took_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (fault)
+    throw MachineFault(fault->kind(), fmt::format("{}; the {} samples that came before are in {}",
+                                                  fault->what(), taken, options.out));
   fmt::print("{} samples in {:.2f} s ({:.1f} a second), none lost, {} without a new reading -> {}\n", taken,
              took_s, static_cast<double>(taken) / took_s, silent, options.out);
   return ExitCode::done;

@@ -33,9 +33,13 @@ struct Stop {
   double time_s, way_mm;
 };
 
+// That the watchdog has ended motion is what is measured here.
 LatchedSample next(SampleStream& samples) {
-  for (;;)
-    if (const auto sample = samples.next(1.0)) return *sample;
+  for (;;) try {
+      if (const auto sample = samples.next(1.0)) return *sample;
+    } catch (const MachineFault& fault) {
+      if (fault.kind() != MachineFault::Kind::interrupted) throw;
+    }
 }
 
 void bring_to_start(const LinuxCncSettings& settings) {
@@ -47,7 +51,7 @@ void bring_to_start(const LinuxCncSettings& settings) {
 
 Stop stop_once(const LinuxCncSettings& settings, double at_mm, bool hang) {
   bring_to_start(settings);
-  RshClient commands(settings.commands);
+  RshClient commands(settings.commands, [] {});
   SampleStream samples(settings.commands.host, settings.sample_port, settings.commands.timeout_s);
   commands.set("mode auto");
   while (commands.get("mode").text != "AUTO") std::this_thread::sleep_for(std::chrono::milliseconds(20));

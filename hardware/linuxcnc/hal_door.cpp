@@ -27,6 +27,13 @@ Pin** new_pin() {
   return static_cast<Pin**>(memory);
 }
 
+hal_bit_t** new_bit(const HalComponent& component, const std::string& name, hal_pin_dir_t direction) {
+  hal_bit_t** pin = new_pin<hal_bit_t>();
+  require(hal_pin_bit_new((component.name() + "." + name).c_str(), direction, pin, component.id()) == 0,
+          "HAL does not take the pin " + name);
+  return pin;
+}
+
 }  // namespace
 
 HalComponent::HalComponent(const std::string& name) : name_(name), id_(hal_init(name.c_str())) {
@@ -41,15 +48,18 @@ void HalComponent::ready() {
   require(hal_ready(id_) == 0, "HAL does not take the component as ready");
 }
 
-HalBitOut::HalBitOut(const HalComponent& component, const std::string& name) {
-  hal_bit_t** pin = new_pin<hal_bit_t>();
-  require(hal_pin_bit_new((component.name() + "." + name).c_str(), HAL_OUT, pin, component.id()) == 0,
-          "HAL does not take the pin " + name);
-  pin_ = pin;
-}
+HalBitOut::HalBitOut(const HalComponent& component, const std::string& name)
+    : pin_(new_bit(component, name, HAL_OUT)) {}
 
 void HalBitOut::set(bool value) {
   **static_cast<hal_bit_t**>(pin_) = value;
+}
+
+HalBitIn::HalBitIn(const HalComponent& component, const std::string& name)
+    : pin_(new_bit(component, name, HAL_IN)) {}
+
+bool HalBitIn::get() const {
+  return **static_cast<hal_bit_t**>(pin_);
 }
 
 HalCountOut::HalCountOut(const HalComponent& component, const std::string& name) {

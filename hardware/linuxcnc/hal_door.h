@@ -44,6 +44,15 @@ class HalBitOut {
   void* pin_;  // in HAL's shared memory, which outlives the program
 };
 
+class HalBitIn {
+ public:
+  HalBitIn(const HalComponent& component, const std::string& name);  // before ready()
+  bool get() const;                                                  // false where nothing is connected
+
+ private:
+  void* pin_;
+};
+
 class HalCountOut {
  public:
   HalCountOut(const HalComponent& component, const std::string& name);

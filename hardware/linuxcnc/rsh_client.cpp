@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "hardware/machine_driver.h"
 
@@ -23,8 +25,10 @@ MachineFault protocol_fault(const std::string& request, const std::string& what)
 
 }  // namespace
 
-RshClient::RshClient(const RshAccess& access)
-    : access_(access), connection_(access.host, access.port, access.timeout_s) {
+RshClient::RshClient(const RshAccess& access, std::function<void()> while_waiting)
+    : access_(access),
+      while_waiting_(std::move(while_waiting)),
+      connection_(access.host, access.port, access.timeout_s) {
   send(fmt::format("hello {} trueblade 1.0", access_.connect_password));
   const RshReply hello = next_reply("hello");
   if (hello.kind == Kind::hello_refused)
@@ -60,7 +64,8 @@ RshReply RshClient::next_reply(const std::string& request) {
       throw MachineFault(
           MachineFault::Kind::connection,
           fmt::format("linuxcncrsh: no answer to \"{}\" within {} s", request, access_.timeout_s));
-    reader_.feed(connection_.receive(left_s));
+    while_waiting_();
+    reader_.feed(connection_.receive(std::min(left_s, kCallIntervalS)));
   }
   throw protocol_fault(request, "is lost among lines that are no answers");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "hardware/linuxcnc/line_reader.h"
@@ -22,9 +23,12 @@ struct RshAccess {
 // the next request.
 class RshClient {
  public:
-  // Connects, says hello, and takes control. Throws MachineFault: connection (nobody there, no answer,
-  // a password refused) or protocol (an answer that the protocol does not know).
-  explicit RshClient(const RshAccess& access);
+  // Connects, says hello, and takes control. `while_waiting` is called again and again, at least every
+  // kCallIntervalS, as long as an answer is waited for; what it throws ends the wait. Throws MachineFault:
+  // connection (nobody there, no answer, a password refused) or protocol (an answer that the protocol does
+  // not know).
+  static constexpr double kCallIntervalS = 0.02;
+  RshClient(const RshAccess& access, std::function<void()> while_waiting);
 
   // `set <command>`; returns whether it was accepted. The command must be one line.
   bool set(const std::string& command);
@@ -38,6 +42,7 @@ class RshClient {
   RshReply next_reply(const std::string& request);
 
   RshAccess access_;
+  std::function<void()> while_waiting_;
   TcpConnection connection_;
   LineReader reader_;
 };

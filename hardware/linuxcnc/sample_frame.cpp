@@ -11,6 +11,7 @@ namespace {
 constexpr std::uint32_t kMagic = 0x31464254;  // "TBF1"
 constexpr std::size_t kHeadBytes = 4 + 1 + 2;
 constexpr std::uint8_t kProtocolVersion = 1;
+constexpr auto kLastType = static_cast<std::uint8_t>(StreamFrame::Type::motion_ended);
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::array<double*, 8> numbers_of(AxisLimits& limits) {
@@ -120,7 +121,7 @@ std::optional<StreamFrame> FrameReader::next() {
   const auto magic = head.take<std::uint32_t>();
   const auto type = head.take<std::uint8_t>();
   const auto length = head.take<std::uint16_t>();
-  if (magic != kMagic || type < 1 || type > 5 || length > kLongestPayload) {
+  if (magic != kMagic || type < 1 || type > kLastType || length > kLongestPayload) {
     broken_ = true;
     return std::nullopt;
   }

@@ -42,7 +42,8 @@ struct StreamFrame {
     sample = 2,
     program_stored = 3,
     refused = 4,  // the reason in words
-    samples_begin = 5
+    samples_begin = 5,
+    motion_ended = 6  // by the watchdog, as the signs of life stayed out; what is known of it in words
   };
   Type type;
   std::string payload;

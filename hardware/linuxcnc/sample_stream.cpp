@@ -40,7 +40,7 @@ SampleStream::SampleStream(const std::string& host, std::uint16_t port, double t
 std::optional<StreamFrame> SampleStream::next_frame(double wait_s) {
   const auto start = Clock::now();
   for (bool waited = false;; waited = true) {
-    if (watched_) give_sign_of_life();
+    keep_watch();
     if (auto frame = reader_.next()) return frame;
     if (reader_.broken())
       throw protocol_fault("the stream of samples is broken (no frame, or a wrong checksum)");
@@ -76,6 +76,11 @@ std::optional<LatchedSample> SampleStream::next(double wait_s) {
   const auto frame = next_frame(wait_s);
   if (!frame) return std::nullopt;
   if (frame->type == StreamFrame::Type::refused) throw protocol_fault(frame->payload);
+  if (frame->type == StreamFrame::Type::motion_ended)
+    throw MachineFault(MachineFault::Kind::interrupted,
+                       fmt::format("trueblade-hal: no sign of life came for {} s, and the controller has "
+                                   "ended the motion; {}",
+                                   kWatchdogS, frame->payload));
   const auto sample = sample_from_payload(frame->payload);
   if (frame->type != StreamFrame::Type::sample || !sample) throw protocol_fault("sent what is no sample");
   if (last_ && sample->sequence != last_->sequence + 1)
@@ -102,8 +107,8 @@ void SampleStream::store_program(const std::string& program) {
   await(StreamFrame::Type::program_stored, "program");
 }
 
-void SampleStream::give_sign_of_life() {
-  if (seconds_since(last_sign_) < kSignOfLifeS) return;
+void SampleStream::keep_watch() {
+  if (!watched_ || seconds_since(last_sign_) < kSignOfLifeS) return;
   connection_.send_all("alive\n", timeout_s_);
   last_sign_ = Clock::now();
 }

@@ -25,7 +25,8 @@ class SampleStream {
   void start_samples();
   void stop_samples();
   // The next sample, or nullopt when none came within `wait_s`. While the watch is set, also sends the sign
-  // of life. Throws MachineFault: sensor (samples were lost or doubled on the way), connection, protocol.
+  // of life. Throws MachineFault: sensor (samples were lost or doubled on the way), interrupted (the signs of
+  // life came too late, and the controller has ended the motion), connection, protocol.
   std::optional<LatchedSample> next(double wait_s);
   // One sample of the present moment. Precondition: samples are stopped.
   LatchedSample present();
@@ -38,13 +39,15 @@ class SampleStream {
   static constexpr double kWatchdogS = 0.5;
   void set_watch();
   void release_watch();
+  // The sign of life, when it is due and the watch is set: for whoever waits for something else than a
+  // sample.
+  void keep_watch();
   // Motion stops in the next servo period. Safe from any thread.
   bool hold() noexcept { return connection_.send_now("hold\n"); }
 
  private:
   std::optional<StreamFrame> next_frame(double wait_s);
   void await(StreamFrame::Type answer, const std::string& request);
-  void give_sign_of_life();
 
   double timeout_s_;
   TcpConnection connection_;

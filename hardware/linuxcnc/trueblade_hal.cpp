@@ -5,16 +5,20 @@
 //   127.0.0.1]
 //
 // Pins: hold (bit, out: stop motion now), watched (bit, out: signs of life are expected), alive (bit, out:
-// toggles with each), connected (bit, out), samples (u32, out: sent). The HAL file wires watched and alive to
-// the realtime `watchdog`, so that this program's own death stops motion too.
+// toggles with each), lost (bit, in: they stayed out), connected (bit, out), samples (u32, out: sent). The
+// HAL file wires watched, alive and lost to the realtime `watchdog`, so that this program's own death stops
+// motion too.
 //
 // One driver at a time; its requests are those of driver_request.h. Nothing of it reaches a shell.
 #include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
@@ -26,6 +30,7 @@
 #include "geometry/atomic_file.h"
 #include "hardware/linuxcnc/driver_request.h"
 #include "hardware/linuxcnc/hal_records.h"
+#include "hardware/linuxcnc/sample_stream.h"
 
 namespace trueblade {
 namespace {
@@ -36,6 +41,10 @@ constexpr double kDegree = 3.14159265358979323846 / 180.0;
 std::atomic<bool> ended = false;
 extern "C" void note_end(int) {
   ended = true;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 struct Options {
@@ -71,6 +80,19 @@ StreamGreeting greeting_of(const Options& options) {
   return greeting;
 }
 
+// A driver whose computer or network has died says no goodbye: it is given up after some five seconds without
+// an answer to what is sent or, where nothing is, to the probes of TCP. Until then it keeps others out.
+void notice_when_gone(int socket) {
+  const auto set = [&](int level, int option, int value) {
+    ::setsockopt(socket, level, option, &value, sizeof(value));
+  };
+  set(SOL_SOCKET, SO_KEEPALIVE, 1);
+  set(IPPROTO_TCP, TCP_KEEPIDLE, 2);
+  set(IPPROTO_TCP, TCP_KEEPINTVL, 1);
+  set(IPPROTO_TCP, TCP_KEEPCNT, 3);
+  set(IPPROTO_TCP, TCP_USER_TIMEOUT, 5000);
+}
+
 // The driver that is connected, and what is under way to and from it.
 struct Driver {
   int socket;
@@ -87,6 +109,7 @@ class Server {
         hold_(component_, "hold"),
         watched_pin_(component_, "watched"),
         alive_(component_, "alive"),
+        lost_(component_, "lost"),
         connected_(component_, "connected"),
         sent_pin_(component_, "samples"),
         stream_(component_, HalStream::End::sampler, kSampleChannel, kSampleFields),
@@ -103,6 +126,7 @@ class Server {
       wait();
       accept_driver();
       pass_samples();
+      tell_of_lost_signs();
       if (driver_ && !(receive() && send())) drop_driver();
     }
   }
@@ -116,6 +140,7 @@ class Server {
   void accept_driver() {
     const int socket = ::accept4(listener_, nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC);
     if (socket < 0) return;
+    if (driver_ && !receive()) drop_driver();  // the same one, perhaps, that has closed and comes back
     if (driver_) {
       const std::string refusal = frame_bytes(StreamFrame::Type::refused, "another driver is connected");
       [[maybe_unused]] const auto ignored =
@@ -123,6 +148,7 @@ class Server {
       ::close(socket);
       return;
     }
+    notice_when_gone(socket);
     driver_ = Driver{
         socket, frame_bytes(StreamFrame::Type::greeting, greeting_payload(greeting_of(options_))), {}, false};
     connected_.set(true);
@@ -146,13 +172,42 @@ class Server {
     }
   }
 
+  // A driver that is only slow or far away does not know that its motion is over. The watchdog cannot bite
+  // before its time; until then the pin may still say what was before the watch.
+  void tell_of_lost_signs() {
+    if (!driver_ || !watched_ || loss_told_ || !lost_.get()) return;
+    if (seconds_since(watched_since_) < SampleStream::kWatchdogS) return;
+    longest_silence_s_ = std::max(longest_silence_s_, seconds_since(last_sign_));
+    const std::string words = fmt::format(
+        "the longest silence here was {:.2f} s{}", longest_silence_s_,
+        longest_silence_s_ < SampleStream::kWatchdogS ? ": the controller's own computer stood still" : "");
+    std::fprintf(stderr, "trueblade-hal: the watchdog has ended motion; %s\n", words.c_str());
+    driver_->unsent += frame_bytes(StreamFrame::Type::motion_ended, words);
+    loss_told_ = true;
+  }
+
+  void note_sign_of_life() {
+    longest_silence_s_ = std::max(longest_silence_s_, seconds_since(last_sign_));
+    last_sign_ = std::chrono::steady_clock::now();
+    sign_noted_ = true;
+  }
+
+  // Once for all that came together: two changes of the pin within a servo period are none.
+  void show_sign_of_life() {
+    if (sign_noted_) alive_.set(life_ = !life_);
+    sign_noted_ = false;
+  }
+
   // False when the driver is gone, or what it sends is not the protocol: the connection is then closed.
   bool receive() {
     char bytes[65536];
     for (;;) {
       const ssize_t received = ::recv(driver_->socket, bytes, sizeof(bytes), 0);
       if (received == 0) return false;
-      if (received < 0) return errno == EAGAIN || errno == EINTR;
+      if (received < 0) {
+        show_sign_of_life();
+        return errno == EAGAIN || errno == EINTR;
+      }
       DriverRequestReader& requests = driver_->requests;
       requests.feed({bytes, static_cast<std::size_t>(received)});
       while (const auto request = requests.next()) obey(*request);
@@ -185,13 +240,14 @@ class Server {
         watch();
         break;
       case DriverRequest::Kind::alive:
-        alive_.set(life_ = !life_);
+        note_sign_of_life();
         break;
       case DriverRequest::Kind::release:
         watched_pin_.set(watched_ = false);
         break;
       case DriverRequest::Kind::hold:
         hold_.set(true);
+        loss_told_ = true;  // nothing is left to be ended
         break;
       case DriverRequest::Kind::program:
         store(request.program);
@@ -199,13 +255,21 @@ class Server {
     }
   }
 
-  // A watchdog that has bitten bites on until its enable pin has been low for a servo period. The hold ends
-  // last.
+  // A watchdog that has bitten bites on until its enable pin has been low for a servo period; on a busy
+  // computer a period may be late, and the pin says so. The hold ends last.
   void watch() {
-    watched_pin_.set(false);
-    std::this_thread::sleep_for(std::chrono::duration<double>(3.0 * options_.servo_period_s));
-    alive_.set(life_ = !life_);
-    watched_pin_.set(watched_ = true);
+    constexpr int kMostTries = 50;
+    const auto some_periods = std::chrono::duration<double>(3.0 * options_.servo_period_s);
+    for (int tried = 0; tried == 0 || (lost_.get() && tried < kMostTries); ++tried) {
+      watched_pin_.set(false);
+      std::this_thread::sleep_for(some_periods);
+      alive_.set(life_ = !life_);
+      watched_pin_.set(watched_ = true);
+      std::this_thread::sleep_for(some_periods);
+    }
+    watched_since_ = last_sign_ = std::chrono::steady_clock::now();
+    longest_silence_s_ = 0.0;
+    loss_told_ = false;
     hold_.set(false);
   }
 
@@ -222,12 +286,17 @@ class Server {
 
   Options options_;
   HalComponent component_;
-  HalBitOut hold_, watched_pin_, alive_, connected_;
+  HalBitOut hold_, watched_pin_, alive_;
+  HalBitIn lost_;
+  HalBitOut connected_;
   HalCountOut sent_pin_;
   HalStream stream_;
   int listener_;
   std::optional<Driver> driver_;
-  bool watched_ = false, life_ = false;
+  bool watched_ = false, life_ = false, loss_told_ = false;
+  bool sign_noted_ = false;
+  std::chrono::steady_clock::time_point watched_since_, last_sign_;
+  double longest_silence_s_ = 0.0;  // since watched_since_
   std::uint32_t sent_ = 0;
 };
 

@@ -3,6 +3,7 @@
 // everything measured so far kept, and a resume that completes the scan.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <thread>
 
@@ -191,6 +192,21 @@ TEST(LinuxCncFault, AStopEndsHoming) {
   EXPECT_EQ(machine.state(), MachineState::stopped);
 }
 
+TEST(LinuxCncFault, HomingThatTheWatchdogEndedIsNoticedAtOnce) {
+  Misbehaviour misbehaviour;
+  misbehaviour.homing_periods = 1'000'000;
+  misbehaviour.watchdog_ends_homing = true;
+  ScriptedController controller(misbehaviour);
+  LinuxCncSettings settings = controller.settings();
+  settings.home_timeout_s = 60.0;
+  LinuxCncMachine machine(settings, kTravel, {});
+  machine.connect();
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(kind_of_fault([&] { machine.home(); }), Kind::interrupted);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+  EXPECT_EQ(machine.state(), MachineState::stopped);
+}
+
 TEST(LinuxCncFault, HomingThatTakesLongerThanTheWatchdogIsWatchedAllTheWhile) {
   Misbehaviour misbehaviour;
   misbehaviour.homing_periods = 600;
@@ -341,6 +357,23 @@ TEST(LinuxCncFault, AnswersThatAreLateButInTimeAreNoFault) {
   }
 }
 
+// A controller that is slow to answer is not taken for a program that has died.
+TEST(LinuxCncFault, SignsOfLifeGoOnWhileAnAnswerIsWaitedFor) {
+  std::atomic<bool> is_late = false;
+  Misbehaviour misbehaviour;
+  misbehaviour.delay_s = [&](std::size_t) { return is_late ? 1.4 * SampleStream::kWatchdogS : 0.0; };
+  ScriptedController controller(misbehaviour);
+  LinuxCncSettings settings = controller.settings();
+  settings.commands.timeout_s = 5.0;
+  LinuxCncMachine machine(settings, kTravel, {});
+  machine.connect();
+  machine.home();
+  is_late = true;
+  machine.move_to({3, 0, 0, 0});
+  EXPECT_EQ(machine.state(), MachineState::idle);
+  EXPECT_LT(controller.longest_without_sign_s(), SampleStream::kWatchdogS);
+}
+
 void expect_end_by_the_time_out(const Outcome& outcome) {
   ASSERT_TRUE(outcome.kind);
   EXPECT_EQ(*outcome.kind, Kind::connection) << outcome.words;
@@ -420,7 +453,12 @@ TEST(LinuxCncFault, TheStreamOfSamples) {
        },
        Kind::protocol},
       {"garbage", [](const std::string&, const LatchedSample&) { return std::string(100, '\x55'); },
-       Kind::protocol}};
+       Kind::protocol},
+      {"the watchdog has bitten",
+       [](const std::string& frame, const LatchedSample&) {
+         return frame + frame_bytes(StreamFrame::Type::motion_ended, "");
+       },
+       Kind::interrupted}};
   for (const Way& way : ways)
     for (const std::size_t step : {0u, 1u, 12u, 20u}) {
       SCOPED_TRACE(std::string(way.name) + " at sample " + std::to_string(step));
@@ -437,9 +475,8 @@ TEST(LinuxCncFault, TheStreamOfSamples) {
         continue;
       }
       EXPECT_EQ(*outcome.kind, way.kind) << outcome.words;
-      if (way.kind != Kind::sensor) {
-        EXPECT_EQ(outcome.state, MachineState::unknown);
-      }
+      const bool out_of_sight = way.kind == Kind::connection || way.kind == Kind::protocol;
+      EXPECT_EQ(outcome.state, out_of_sight ? MachineState::unknown : MachineState::stopped);
     }
 }
 

@@ -18,6 +18,7 @@ import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
 
@@ -29,9 +30,11 @@ ENVIRONMENT = {**os.environ, "TRUEBLADE_BUILD": str(BUILD), "TRUEBLADE_LOOP": st
 MACHINE_FAULT = 3
 INTERRUPTED = 130
 OUT_OF_RANGE = 1  # of a sample's flags
+GREETING = 1  # type of a frame of trueblade-hal
+TCP_REPAIR = 19  # of Linux; the socket module does not name it
 MIDDLE_BYTES = 2700  # of a journal of about 5,700: a scan in its middle
 
-CONTROLLER = "host: 127.0.0.1, command_port: {port}, sample_port: 5008, reset_estop: true, enable_password: {password}"
+CONTROLLER = "host: 127.0.0.1, command_port: {port}, sample_port: {sample_port}, reset_estop: true, enable_password: {password}"
 SCENARIO = """name: running_controller
 seed: 1
 part: {{demonstration: turbine_blade, chord_tolerance_mm: 0.02}}
@@ -45,10 +48,10 @@ scan: {{views: [{{name: front, theta_deg: 0}}], spacing_mm: {spacing_mm}}}
 """
 
 
-def scenario_text(backend="linuxcnc", spacing_mm=6, port=5007, password="EMCTOO"):
+def scenario_text(backend="linuxcnc", spacing_mm=6, port=5007, sample_port=5008, password="EMCTOO"):
     text = "backend: " + backend
     if backend == "linuxcnc":
-        text += f"\n  controller: {{{CONTROLLER.format(port=port, password=password)}}}"
+        text += f"\n  controller: {{{CONTROLLER.format(port=port, sample_port=sample_port, password=password)}}}"
     return SCENARIO.format(backend=text, spacing_mm=spacing_mm)
 
 
@@ -80,6 +83,53 @@ class Controller:
 
     def close(self):
         self.socket.close()
+
+
+class Wire:
+    """Between the program and trueblade-hal: it can hold back what the program sends, and be cut."""
+
+    def __init__(self, test):
+        self.listener = socket.create_server(("127.0.0.1", 0))
+        self.port = self.listener.getsockname()[1]
+        self.ends = ()
+        test.addCleanup(self.close)
+        self.open = threading.Event()
+        self.open.set()
+        threading.Thread(target=self.carry, daemon=True).start()
+
+    def carry(self):
+        program, _ = self.listener.accept()
+        component = socket.create_connection(("127.0.0.1", 5008))
+        self.ends = (program, component)
+        threading.Thread(target=self.pass_on, args=(component, program), daemon=True).start()
+        self.pass_on(program, component, self.open)
+
+    def pass_on(self, source, sink, gate=None):
+        try:
+            while data := source.recv(65536):
+                if gate:
+                    gate.wait()
+                sink.sendall(data)
+        except OSError:
+            pass
+        self.cut()
+
+    def cut(self):
+        for end in self.ends:
+            try:
+                end.shutdown(socket.SHUT_RDWR)
+            except OSError:
+                continue  # cut already
+
+    def close(self):
+        self.cut()
+        for end in (self.listener, *self.ends):
+            end.close()
+
+    def is_slow_for(self, seconds):
+        self.open.clear()
+        time.sleep(seconds)
+        self.open.set()
 
 
 def loop(*arguments):
@@ -160,15 +210,20 @@ class OnTheController(unittest.TestCase):
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(dir=self.class_folder))
 
-    def machine_file(self):
+    def machine_file(self, sample_port=5008):
         machine = self.folder / "machine.yaml"
         machine.write_text("backend: linuxcnc\nlens: {name: 25mm}\ncontroller: {" +
-                           CONTROLLER.format(port=5007, password="EMCTOO") + "}\n")
+                           CONTROLLER.format(port=5007, sample_port=sample_port, password="EMCTOO") + "}\n")
         return machine
 
     def machine(self, *arguments):
         return subprocess.run([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(), *arguments[1:]],
                               capture_output=True, text=True, check=False, timeout=120)
+
+    def begun(self, *arguments, sample_port=5008):
+        """`trueblade machine` with these, while it runs."""
+        return subprocess.Popen([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(sample_port), *arguments[1:]],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def stands_still(self):
         controller = Controller()
@@ -178,17 +233,17 @@ class OnTheController(unittest.TestCase):
         controller.close()
         self.assertEqual(before, after)
 
-    def started(self, *arguments):
-        """`trueblade machine` with these, once the x axis is 20 mm on its way."""
+    def started(self, *arguments, sample_port=5008):
+        """The same, once the x axis is 20 mm on its way."""
         x_mm = x_of_the_encoder()
-        process = subprocess.Popen([PROGRAM, "machine", arguments[0], "--machine", self.machine_file(), *arguments[1:]],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = self.begun(*arguments, sample_port=sample_port)
         self.wait_for_way_from(x_mm, process)
         return process
 
     def wait_for_way_from(self, x_mm, process):
         while abs(x_of_the_encoder() - x_mm) < 20:
-            self.assertIsNone(process.poll(), "ended before it moved")
+            if process.poll() is not None:
+                self.fail("ended before it moved: " + process.communicate()[1])
             time.sleep(0.02)
 
     def ends_interrupted(self, process):
@@ -197,6 +252,12 @@ class OnTheController(unittest.TestCase):
         _, errors = process.communicate(timeout=60)
         self.assertLess(time.monotonic() - asked, 3)
         self.assertEqual(process.returncode, INTERRUPTED, errors)
+        self.assertIn("the machine is stopped", errors)
+        self.stands_still()
+
+    def ends_for_want_of_signs_of_life(self, process, errors):
+        self.assertEqual(process.returncode, MACHINE_FAULT, errors)
+        self.assertIn("no sign of life came for 0.5 s", errors)
         self.assertIn("the machine is stopped", errors)
         self.stands_still()
 
@@ -232,11 +293,12 @@ class RunningController(OnTheController):
             at += 5 + length + 4
         return lines
 
-    def started_scan(self):
+    def started_scan(self, **scenario):
         """The process, in the middle of its scan."""
-        process = subprocess.Popen(self.command(scenario_text()), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        process = subprocess.Popen(self.command(scenario_text(**scenario)), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         while self.journal_bytes() < MIDDLE_BYTES:
-            self.assertIsNone(process.poll(), "ended before the scan began")
+            if process.poll() is not None:
+                self.fail("ended before the scan began: " + process.communicate()[1])
             time.sleep(0.02)
         return process
 
@@ -343,6 +405,64 @@ class RunningController(OnTheController):
         finally:
             self.start_controller()
         self.completes()
+
+    def test_slow_network_in_the_middle_of_a_line(self):
+        wire = Wire(self)
+        process = self.started_scan(sample_port=wire.port)
+        wire.is_slow_for(1.0)
+        _, errors = process.communicate(timeout=10)
+        self.ends_for_want_of_signs_of_life(process, errors)
+        self.completes()
+
+    def test_a_second_program_is_refused_and_takes_nothing_away(self):
+        process = self.started_scan()
+        status = self.machine("status")
+        self.assertEqual(status.returncode, MACHINE_FAULT, status.stderr)
+        self.assertIn("another driver is connected", status.stderr)
+        _, errors = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 0, errors)
+
+    def test_recording_keeps_what_came_before_the_cut(self):
+        wire = Wire(self)
+        samples = self.folder / "samples.csv"
+        record = self.begun("record", "--seconds", "30", "--out", samples, sample_port=wire.port)
+        time.sleep(2)
+        wire.cut()
+        _, errors = record.communicate(timeout=10)
+        self.assertEqual(record.returncode, MACHINE_FAULT, errors)
+        kept = int(re.search(r"the (\d+) samples that came before are in", errors)[1])
+        self.assertGreater(kept, 100)
+        self.assertEqual(len(samples.read_text().splitlines()), 1 + kept)
+
+    def test_who_comes_back_at_once_is_let_in(self):
+        for _ in range(200):
+            with socket.create_connection(("127.0.0.1", 5008), timeout=10) as connection:
+                self.assertEqual(self.first_frame(connection), GREETING)
+
+    def test_who_vanished_is_given_up(self):
+        vanishing = socket.create_connection(("127.0.0.1", 5008), timeout=10)
+        self.assertEqual(self.first_frame(vanishing), GREETING)
+        try:
+            vanishing.setsockopt(socket.IPPROTO_TCP, TCP_REPAIR, 1)
+        except PermissionError:
+            self.skipTest("only root can close a connection without a word")
+        vanishing.close()  # as by a computer that has lost its power
+        gone = time.monotonic()
+        while True:
+            with socket.create_connection(("127.0.0.1", 5008), timeout=10) as connection:
+                if self.first_frame(connection) == GREETING:
+                    break
+            self.assertLess(time.monotonic() - gone, 10)
+            time.sleep(0.2)
+
+    def first_frame(self, connection):
+        """The type of the frame that trueblade-hal sends first."""
+        head = b""
+        while len(head) < 5:
+            received = connection.recv(5 - len(head))
+            self.assertNotEqual(received, b"", "closed without a word")
+            head += received
+        return head[4]
 
     def test_killed_in_the_middle_of_a_line(self):
         self.ends_killed(self.started_scan())
@@ -462,8 +582,15 @@ class ControllerAsOnSite(OnTheController):
         self.stands_still()
         process.send_signal(signal.SIGCONT)
         _, errors = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, MACHINE_FAULT, errors)
-        self.assertIn("no sign of life", errors)
+        self.ends_for_want_of_signs_of_life(process, errors)
+        self.comes_home()
+
+    def test_slow_network_while_homing(self):
+        wire = Wire(self)
+        process = self.started("home", sample_port=wire.port)
+        wire.is_slow_for(1.0)  # the controller has ended homing and says nothing of it
+        _, errors = process.communicate(timeout=10)
+        self.ends_for_want_of_signs_of_life(process, errors)
         self.comes_home()
 
     def test_homing_against_a_stop_that_stands(self):
@@ -489,8 +616,7 @@ class ControllerAsOnSite(OnTheController):
 
     def test_samples_that_find_no_place_are_seen_as_lost(self):
         component, = processes_of_the_loop("trueblade-hal")
-        record = subprocess.Popen([PROGRAM, "machine", "record", "--machine", self.machine_file(), "--seconds", "3", "--out",
-                                   self.folder / "samples.csv"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        record = self.begun("record", "--seconds", "3", "--out", self.folder / "samples.csv")
         time.sleep(1)
         os.kill(component, signal.SIGSTOP)
         time.sleep(0.5)

@@ -118,6 +118,10 @@ void ScriptedController::serve() {
     ++present_.sequence;
     ++present_.reading;
     present_.motion_enabled = on_;
+    if (homing_left_ > 0 && misbehaviour_.watchdog_ends_homing) {
+      homing_left_ = 0;
+      put(stream_, frame_bytes(StreamFrame::Type::motion_ended, ""));
+    }
     if (homing_left_ > 0 && --homing_left_ == 0) homed_ = true;
     const bool moves = running_ && !held_ && program_at_ < program_.size();
     if (moves) {

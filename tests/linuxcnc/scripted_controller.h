@@ -28,7 +28,8 @@ struct Misbehaviour {
   bool in_estop = false;           // as soon as a program runs
   bool joint_fault = false;
   bool at_limit = false;
-  int homing_periods = 0;  // servo periods that homing takes
+  int homing_periods = 0;             // servo periods that homing takes
+  bool watchdog_ends_homing = false;  // at once, and only trueblade-hal says so
 };
 
 class ScriptedController {
