@@ -250,7 +250,8 @@ TEST(YamlReader, AttachesTheLineToAComplaintOfALibrary) {
     }
     return std::string("no error");
   };
-  EXPECT_EQ(complain_about("tolerance_rad is 1, must be 2"), "sample.yaml:2: a.tolerance_rad is 1, must be 2");
+  EXPECT_EQ(complain_about("tolerance_rad is 1, must be 2"),
+            "sample.yaml:2: a.tolerance_rad is 1, must be 2");
   EXPECT_EQ(complain_about("lens x: tolerance_rad is 1"), "sample.yaml:2: lens x: a.tolerance_rad is 1");
   EXPECT_EQ(complain_about("b.depth is 2"), "sample.yaml:4: a.b.depth is 2");
   EXPECT_EQ(complain_about("b.width is 2"), "sample.yaml:3: a.b.width is 2");
