@@ -91,6 +91,7 @@ void check_size(const Input& input, const RegisterOptions& options) {
   const std::string sizes = fmt::format(
       "{}: the scan's box is {:.3g} mm across, the part's {:.3g} mm: are --scan-unit and --unit right?{}",
       options.scan_file, scan_mm, part_mm, confused_units(scan_mm / part_mm));
+  if (!(scan_mm > 0.0)) return;  // no unit makes a box of points in one place; the registration refuses them
   if (scan_mm > kLargest * part_mm || scan_mm < kSmallest * part_mm) throw InputError(sizes);
   if (scan_mm < kSmall * part_mm) spdlog::warn("{}", sizes);
 }

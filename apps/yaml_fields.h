@@ -55,7 +55,8 @@ class YamlFields {
   virtual void require(std::string_view key) = 0;
   // Reading: an error at the end of this map, for what concerns the map as a whole. Writing: nothing.
   virtual void fail_unless(bool holds, const std::string& message) = 0;
-  // Reading: an error that names file and line of the key, where it stands, or else of this map.
+  // Reading: an error that names file and line of the key, where it stands, or else of this map. A message
+  // that begins with the key gets the way to it in front.
   virtual InputError error(std::string_view key, const std::string& message) const = 0;
   // Reading: the same for a message that speaks of keys in its own words.
   virtual InputError error_about(const std::string& message) const = 0;

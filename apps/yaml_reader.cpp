@@ -159,7 +159,8 @@ class MapReader final : public YamlFields {
   }
 
   InputError error(std::string_view key, const std::string& message) const override {
-    return file_error(place(key), message);
+    const bool begins_with_key = message.starts_with(key) && message.substr(key.size()).starts_with(' ');
+    return file_error(place(key), begins_with_key ? full_name(message) : message);
   }
   std::string place(std::string_view key) const override {
     return fmt::format("{}:{}", file_, line_of(map_, key).value_or(map_.line));
@@ -168,8 +169,13 @@ class MapReader final : public YamlFields {
     constexpr std::string_view kBetweenWords = " :,;()[]{}\"'=";
     for (std::size_t begin = 0; begin < message.size();) {
       const std::size_t end = std::min(message.find_first_of(kBetweenWords, begin), message.size());
-      if (const auto line = line_of(map_, message.substr(begin, end - begin)))
-        return line_error(file_, *line, message);
+      const std::string word = message.substr(begin, end - begin);
+      if (const auto line = line_of(map_, word)) {
+        // A bare word within a sentence may be a key by chance.
+        const bool is_meant = begin == 0 || word.find_first_of("._") != std::string::npos;
+        return line_error(file_, *line,
+                          is_meant ? message.substr(0, begin) + full_name(message.substr(begin)) : message);
+      }
       begin = end + 1;
     }
     return line_error(file_, map_.line, message);

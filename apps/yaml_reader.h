@@ -1,8 +1,9 @@
 // Strict reading of YAML files; with yaml_writer.h the one door to yaml-cpp.
 //
-// Every defect is an InputError that names file and line: unknown key (with the nearest valid key and the
-// list of valid ones), key given twice, wrong type, value out of range, missing key. No input exhausts memory
-// or stack: files above 1 MiB, nesting deeper than 20 levels, anchors and aliases, and tags are refused.
+// Every defect is an InputError that names file, line and the way to the key
+// (registration.rejection.cut_sigma): unknown key (with the nearest valid key and the list of valid ones),
+// key given twice, wrong type, value out of range, missing key. No input exhausts memory or stack: files
+// above 1 MiB, nesting deeper than 20 levels, anchors and aliases, and tags are refused.
 #pragma once
 
 #include <filesystem>

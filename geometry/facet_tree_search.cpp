@@ -6,6 +6,7 @@
 // Highway compiles this file once for every instruction set and picks the machine's best at run time.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "geometry/facet_tree_search.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
@@ -24,6 +25,8 @@ constexpr std::size_t kLeastGroup = 4;
 // The first certificate of a query lasts for a motion of a tenth of a leaf (for 6 to 20 % of the search's
 // time); a renewed one for the motion that used up the last, because the steps of a registration shrink.
 constexpr float kFirstSlack = 0.1F;
+
+constexpr std::size_t kCacheLine = 64;  // bytes; of other lengths some lines come without being asked for
 
 // A query that still needs a search.
 struct OpenQuery {
@@ -141,21 +144,48 @@ HWY_ATTR void search(const Block& block, const OpenQuery* open, std::size_t coun
   }
 }
 
+// Asks for the cache lines of `bytes` from `first` on. A model finer than the processor's caches keeps a
+// query waiting for memory most of its time; asked for together, the lines of a block come while others are
+// worked on.
+HWY_ATTR HWY_INLINE void prefetch(const void* first, std::size_t bytes) {
+  for (std::size_t line = 0; line < bytes; line += kCacheLine)
+    hwy::Prefetch(static_cast<const char*>(first) + line);
+}
+
+// True when the certificate proves that the leaf of the cached facet, which is `nearest` by now, holds the
+// closest.
+HWY_ATTR bool answers_from_leaf(const Block& block, const ClosestPoint& nearest, std::uint32_t query,
+                                float motion) {
+  const CertifiedCache& cache = block.cache[query];
+  Member member;
+  member.query = query;
+  member.upper = static_cast<float>(nearest.distance_mm) * (1.0F + kUlp);
+  block.work.facets_tested += kTreeWidth;
+  visit_leaf<false>(block.tree, cache.place / kTreeWidth, block.queries_mm[query], member, block.measurement);
+  if (!(member.upper < cache.leaf_bound_mm - motion)) return false;
+  measure_candidates(member, block.measurement);
+  return true;
+}
+
 // Answers what the certificates allow, first from the facet alone, then from its leaf; returns the number of
 // queries left open.
 HWY_ATTR std::size_t answer_from_cache(const Block& block, ClosestPoint* closest, std::size_t count,
                                        OpenQuery* open) {
   const auto known = [&](std::size_t i) { return block.cache[i].leaf_bound_mm >= 0.0F; };
   for (std::size_t i = 0; i < count; ++i)
-    if (known(i)) block.measurement.add(static_cast<std::uint32_t>(i), block.cache[i].place);
+    if (known(i)) {
+      prefetch(&block.tree.records[block.cache[i].place], sizeof(FacetRecord));
+      block.measurement.add(static_cast<std::uint32_t>(i), block.cache[i].place);
+    }
   block.measurement.measure();
+
   const std::uint32_t any_leaf = block.seed_leaf == kNoFacet ? 0 : block.seed_leaf;
   const float first_slack = kFirstSlack * block.tree.leaves[any_leaf].radius_mm;
-  std::size_t left = 0;
+  std::size_t unanswered = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto query = static_cast<std::uint32_t>(i);
     if (!known(i)) {
-      open[left++] = {query, first_slack};
+      open[unanswered++] = {query, first_slack};
       continue;
     }
     const CertifiedCache& cache = block.cache[i];
@@ -163,19 +193,19 @@ HWY_ATTR std::size_t answer_from_cache(const Block& block, ClosestPoint* closest
     if (closest[i].distance_mm < static_cast<double>(cache.facet_bound_mm - motion)) {
       ++block.work.facets_tested;
       ++block.work.cache_hits;
-      continue;
-    }
-    Member member;
-    member.query = query;
-    member.upper = static_cast<float>(closest[i].distance_mm) * (1.0F + kUlp);
-    block.work.facets_tested += kTreeWidth;
-    visit_leaf<false>(block.tree, cache.place / kTreeWidth, block.queries_mm[i], member, block.measurement);
-    if (member.upper < cache.leaf_bound_mm - motion) {
-      measure_candidates(member, block.measurement);
-      ++block.work.cache_hits;
     } else {
-      open[left++] = {query, motion};
+      prefetch(&block.tree.leaves[cache.place / kTreeWidth], sizeof(FacetTreeLeaf));
+      open[unanswered++] = {query, motion};
     }
+  }
+
+  std::size_t left = 0;
+  for (std::size_t k = 0; k < unanswered; ++k) {
+    const auto [query, motion] = open[k];
+    if (known(query) && answers_from_leaf(block, closest[query], query, motion))
+      ++block.work.cache_hits;
+    else
+      open[left++] = open[k];
   }
   return left;
 }

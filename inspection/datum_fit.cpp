@@ -11,7 +11,7 @@ RegistrationResult register_to_datum(const RegistrationTarget& target, const Sca
   RegistrationOptions on_datum = options;
   on_datum.surfaces = datum_surfaces;
   RegistrationResult result = register_scan(target, scan, best_fit.part_from_mcs, on_datum);
-  result.initial_rms_mm = best_fit.initial_rms_mm;
+  result.first_rms_mm = best_fit.first_rms_mm;
   result.iterations += best_fit.iterations;
   result.work.queries += best_fit.work.queries;
   result.work.cache_hits += best_fit.work.cache_hits;

@@ -11,7 +11,7 @@ namespace trueblade {
 
 // Without datum surfaces this is register_scan. With them, the best fit is the start of a second fit to the
 // datum surfaces only. What they do not determine stays as in the best fit and is named in `undetermined`.
-// initial_rms_mm is that of the set-up, iterations and work count both fits. Throws as register_scan does.
+// first_rms_mm is that of the set-up, iterations and work count both fits. Throws as register_scan does.
 RegistrationResult register_to_datum(const RegistrationTarget& target, const ScanPoints& scan,
                                      const RigidTransform& initial_part_from_mcs,
                                      const RegistrationOptions& options,

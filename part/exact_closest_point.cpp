@@ -1,5 +1,6 @@
 #include "part/exact_closest_point.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <utility>
 
@@ -11,8 +12,18 @@ namespace trueblade {
 
 namespace {
 
-// Nearer to an edge than this the direction from it is rounding: the edge point is known to 1e-9 mm.
-constexpr double kConvergedOnEdge_mm = 1e-6;
+// Nearer to an edge than this the direction from it, wrong by up to the edge point's own error over the
+// distance, is less certain than 0.001 rad. What the distance there loses with the surfaces' mean normal
+// instead is itself below a nanometre.
+constexpr double kOnEdge_mm = 1e3 * kFootPrecision_mm;
+
+// A foot point is known to kFootPrecision_mm along its surface, and a direction 1e-4 rad off the normal
+// changes a distance by 5e-9 of it. What is farther off is no foot point: the surface ends there, at a bound
+// of its parameters.
+bool is_perpendicular(const SurfacePoint& foot, const Vec3& query_mm) {
+  const Vec3 way_mm = query_mm - foot.point_mm;
+  return way_mm.cross(foot.normal).norm() <= 1e-4 * way_mm.norm() + kFootPrecision_mm;
+}
 
 class NearestFoot {
  public:
@@ -31,12 +42,15 @@ class NearestFoot {
         !inside, inside ? foot.distance_mm : std::abs(foot.distance_mm - on_facets_.distance_mm));
     const double sign = (query_mm_ - foot.foot.point_mm).dot(foot.foot.normal) < 0.0 ? -1.0 : 1.0;
     const ExactClosestPoint found{foot.foot, sign * foot.distance_mm, surface};
-    if (foot.side == TrimSide::inside && (!inside_ || foot.distance_mm < std::abs(inside_->distance_mm)))
+    const bool is_at_bound = !is_perpendicular(foot.foot, query_mm_);
+    if (foot.side == TrimSide::inside && !is_at_bound &&
+        (!inside_ || foot.distance_mm < std::abs(inside_->distance_mm)))
       inside_ = found;
     if (best_ && !(merit < best_merit_)) return;
     best_merit_ = merit;
     best_facet_ = facet;
-    is_at_border_ = foot.side == TrimSide::border;
+    is_at_border_ = foot.side == TrimSide::border || is_at_bound;
+    is_at_bound_ = is_at_bound;
     best_ = found;
   }
 
@@ -55,7 +69,7 @@ class NearestFoot {
       return;
     }
     const bool is_cut_off =
-        !is_on_a_face() || edge->out_of_a.dot(best_->foot.point_mm - edge->point_mm) > 0.0;
+        !is_on_a_face() || is_at_bound_ || edge->out_of_a.dot(best_->foot.point_mm - edge->point_mm) > 0.0;
     const bool agrees = std::abs(edge->distance_mm - on_facets_.distance_mm) <= agreement_mm_;
     if (is_cut_off && agrees && (!edge_ || edge->distance_mm < edge_->distance_mm)) edge_ = edge;
   }
@@ -69,14 +83,18 @@ class NearestFoot {
     const std::uint32_t facet = is_on_a_face() ? best_facet_ : on_facets_.facet;
     const Vec3 from_edge_mm = query_mm_ - edge_->point_mm;
     const double sign = from_edge_mm.dot(edge_->normal) < 0.0 ? -1.0 : 1.0;
-    // The way to the query is the direction in which the distance grows; on the edge itself there is none.
-    const Vec3 normal = edge_->distance_mm > kConvergedOnEdge_mm
-                            ? Vec3(sign * from_edge_mm / edge_->distance_mm)
-                            : edge_->normal;
-    best_ = {{edge_->point_mm, normal, parameters_beside(part_, facet, edge_->point_mm)},
+    best_ = {{edge_->point_mm, edge_->normal, parameters_beside(part_, facet, edge_->point_mm)},
              sign * edge_->distance_mm,
              part_.model.surface_of(facet)};
     best_merit_ = {false, edge_->distance_mm};
+    is_at_bound_ = true;
+  }
+
+  // Where a face ends, the way to the query is the direction in which the distance grows; on the edge itself
+  // there is none.
+  void turn_normal_to_query() {
+    if (!best_ || !is_at_bound_ || std::abs(best_->distance_mm) <= kOnEdge_mm) return;
+    best_->foot.normal = (query_mm_ - best_->foot.point_mm) / best_->distance_mm;
   }
 
   // Past the end of an edge, and the nearest of the facets is a node: the corner, which the facets have, too.
@@ -98,7 +116,9 @@ class NearestFoot {
   const Vec3& query_mm_;
   double agreement_mm_ = part_.chord_tolerance_mm + kTrimMarginMm;  // of distances to facets and surface
   std::uint32_t best_facet_ = kNoFacet;
-  bool is_at_border_ = false;  // the best foot point: within the precision of the trimming curves
+  // The best foot point: within the precision of the trimming curves or at the end of its face; at the end of
+  // its face, where its normal is not the way to the query.
+  bool is_at_border_ = false, is_at_bound_ = false;
   bool is_beyond_an_edge_ = false;
   std::optional<ExactClosestPoint> inside_;  // the nearest that is inside its face beyond doubt
   std::optional<ExactEdgePoint> edge_;
@@ -120,6 +140,7 @@ std::optional<ExactClosestPoint> refine_to_exact(const Part& part, const Closest
   for (const SurfaceAround& around : part.surfaces_around->of(on_facets.facet))
     nearest.try_edge(around.facet);
   nearest.take_edge();
+  nearest.turn_normal_to_query();
   if (nearest.is_at_a_corner()) return std::nullopt;
   return nearest.result();
 }

@@ -9,7 +9,6 @@ namespace {
 // within the trimming margin they differ by 0.01 mm * sin(2 degrees) / 2 < 0.0002 mm.
 constexpr double kLeastSineSquared = 0.0012;
 constexpr int kMostSteps = 20;
-constexpr double kConverged_mm = 1e-9;  // as near as a foot point is known along its surface
 
 }  // namespace
 
@@ -36,7 +35,7 @@ std::optional<ExactEdgePoint> closest_point_on_edge(const Part& part, std::uint3
     point_mm = next_mm;
     at_a = a.foot.parameters;
     at_b = b.foot.parameters;
-    if (moved_mm >= kConverged_mm) continue;
+    if (moved_mm >= kFootPrecision_mm) continue;
     // Away from b's face where the edge is convex, into it where it is not: the facet knows on which side a's
     // face lies.
     const Vec3 across = (normal_b - cosine * normal_a).normalized();

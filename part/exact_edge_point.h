@@ -8,6 +8,9 @@
 
 namespace trueblade {
 
+// As near as an edge point, and a foot point along its surface, is known.
+inline constexpr double kFootPrecision_mm = 1e-9;
+
 struct ExactEdgePoint {
   Vec3 point_mm = Vec3::Zero();
   Vec3 normal = Vec3::Zero();    // unit, the mean of the two surfaces' outward normals

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t kBlock = 1024;
 
-// Nearer than this the direction point - closest is rounding: at coordinates of 100 mm the two differ by
-// about 1e-14 mm of rounding, so that the direction is right to 1e-8 rad at this distance.
+// Nearer to a facet than this its normal stands in for the direction point - closest: rounding, 2e-12 mm in
+// coordinates of 10 m, leaves the direction right to 2e-6 rad here, and to less and less below.
 constexpr double kDirectionDistance_mm = 1e-6;
 
 std::vector<bool> selected_surfaces(const Part& part, const std::vector<std::uint32_t>& ids) {
@@ -122,10 +122,11 @@ void CorrespondenceFinder::find_block(const RigidTransform& part_from_mcs, std::
       foot.distance_mm = std::abs(exact->distance_mm);
     }
     result.is_exact[i] = exact.has_value();
-    const Vec3 n = foot.distance_mm > kDirectionDistance_mm
+    // On the CAD surfaces the normal is that direction already, or its opposite, at edges too.
+    const Vec3 n = exact ? exact->foot.normal
+                   : foot.distance_mm > kDirectionDistance_mm
                        ? Vec3((x - foot.point_mm) * (1.0 / foot.distance_mm))
-                   : exact ? exact->foot.normal
-                           : target_.model().facet_normal(foot.facet);
+                       : target_.model().facet_normal(foot.facet);
     result.distance_mm[i] = n.dot(x - foot.point_mm);
     auto column = result.jacobian.col(static_cast<Eigen::Index>(i));
     column.head<3>() = (x - result.frame.pivot_part_mm).cross(n) * per_radius;

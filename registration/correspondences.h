@@ -2,8 +2,8 @@
 // distance around that pose.
 //
 // The distance of a point x to the surface has the gradient n = (x - c) / |x - c|, c the closest point: the
-// facet normal over a facet's interior, and the right direction at edges and nodes too. A small rigid step
-// about the pivot changes it by
+// facet normal over a facet's interior, and the right direction at edges and nodes too. On CAD surfaces n is
+// the outward normal, and the distance has a sign. A small rigid step about the pivot changes it by
 //   J . u,   J = ((x - pivot) x n / radius, n),   u = (radius * rotation in rad, translation in mm),
 // so that all six components of the scaled step u are lengths in mm.
 #pragma once

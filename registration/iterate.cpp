@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "registration/acceleration.h"
@@ -12,6 +13,7 @@ namespace trueblade {
 namespace {
 
 constexpr int kHalvings = 10;  // a step a thousand times shorter than Gauss-Newton's leads nowhere
+constexpr int kHalvingsBeforeHolding = 2;
 
 // Of sigma, 5 %: three standard errors of the 4,096 points that it is estimated from.
 constexpr double kScaleChange = 0.05;
@@ -32,16 +34,23 @@ struct Trial {
   Vec6 step_scaled;       // from -> to
   Vec6 full_step_scaled;  // the same before relaxation
   StepFrame frame;
-  std::vector<double> weights;  // of the correspondences that the step was computed from
-  double objective_mm2;  // sum w d^2 that must not be exceeded: at `from`; for an accelerated pose, at `to`
-  double rms_after_mm;   // of the linear model or of the point pairs, at `to`
+  // What the step must not raise: sum w min(d, cut)^2, with everything but the distances d held.
+  std::vector<double> weights;
+  double cut_mm;
+  double objective_at_from_mm2;
+  double limit_mm2;     // the objective at `from`; for an accelerated pose, what is expected of `to`
+  double rms_after_mm;  // of the linear model or of the point pairs, at `to`
+  bool of_held_scale = false;
   bool accelerated = false;
   int halvings = 0;
 };
 
-double weighted_squares(std::span<const double> distance_mm, std::span<const double> weights) {
+double truncated_squares(std::span<const double> distance_mm, std::span<const double> weights,
+                         double cut_mm) {
+  const double cut_mm2 = cut_mm * cut_mm;
   double sum = 0.0;
-  for (std::size_t i = 0; i < distance_mm.size(); ++i) sum += weights[i] * distance_mm[i] * distance_mm[i];
+  for (std::size_t i = 0; i < distance_mm.size(); ++i)
+    sum += weights[i] * std::min(distance_mm[i] * distance_mm[i], cut_mm2);
   return sum;
 }
 
@@ -128,21 +137,31 @@ class Iteration {
   bool rose_since_the_last_step() const {
     if (!trial_ || !(trial_->accelerated || options_.step.control)) return false;
     const double rounding = problem_.floor_mm * problem_.floor_mm * static_cast<double>(scan_.size());
-    return weighted_squares(state_.correspondences.distance_mm, trial_->weights) >
-           trial_->objective_mm2 * (1.0 + 1e-12) + rounding;
+    return truncated_squares(state_.correspondences.distance_mm, trial_->weights, trial_->cut_mm) >
+           trial_->limit_mm2 * (1.0 + 1e-12) + rounding;
   }
 
-  // Back to the plain step, or to half of it.
+  // Back to the plain step, or to half of it. The step for the points that it explains itself need not lead
+  // downhill for all points, however short; under its scale, held, the step for the points that are near now
+  // does.
   bool retreat() {
     ++state_.iterations;
     if (trial_->accelerated) {
       trial_->accelerated = false;
-      trial_->objective_mm2 = weighted_squares_at_from_;
+      trial_->limit_mm2 = trial_->objective_at_from_mm2;
       accelerator_.forget();
       state_.part_from_mcs = trial_->to;
       return true;
     }
-    if (++trial_->halvings > kHalvings) return false;
+    const bool may_hold = options_.rejection.rule == RejectionRule::consistent_cut && !trial_->of_held_scale;
+    if (++trial_->halvings > (may_hold ? kHalvingsBeforeHolding : kHalvings)) {
+      if (!may_hold) return false;
+      held_scale_ = state_.fit.scale;
+      state_.part_from_mcs = trial_->from;
+      trial_.reset();
+      previous_rms_mm_.reset();
+      return true;
+    }
     const double fraction = std::ldexp(1.0, -trial_->halvings);
     state_.part_from_mcs = problem_.motion.moved(trial_->from, fraction * trial_->step_scaled, trial_->frame);
     return true;
@@ -187,13 +206,26 @@ class Iteration {
     const NormalEquations& equations = state_.fit.equations;
     if (equations.count < std::max<std::size_t>(3, static_cast<std::size_t>(state_.determined.cols())))
       return std::nullopt;
-    weighted_squares_at_from_ = equations.weighted_squares;
     Trial trial;
     trial.from = state_.part_from_mcs;
     trial.frame = correspondences().frame;
-    trial.weights = state_.weights;
-    trial.objective_mm2 = equations.weighted_squares;
+    trial.of_held_scale = held_scale_.has_value();
+    set_objective(trial);
     return options_.step.method == StepMethod::point_to_plane ? plane_step(trial) : closed_form_step(trial);
+  }
+
+  // The consistent cut trusts the points that the step explains, not those that are near now. Its objective
+  // counts every point, one beyond the cut as if it were at it. The other rules weigh the distances here, and
+  // where the sum of squares with these weights falls, so does the rule's own objective (Tukey's and Welsch's
+  // as well as a truncated one; a majorisation). The least median selects by a step of its own: it answers
+  // for its selection.
+  void set_objective(Trial& trial) const {
+    const bool cuts_after_the_step = options_.rejection.rule == RejectionRule::consistent_cut;
+    trial.weights = cuts_after_the_step ? state_.base : state_.weights;
+    trial.cut_mm = cuts_after_the_step ? state_.fit.scale.cut_mm : std::numeric_limits<double>::infinity();
+    trial.objective_at_from_mm2 =
+        truncated_squares(state_.correspondences.distance_mm, trial.weights, trial.cut_mm);
+    trial.limit_mm2 = trial.objective_at_from_mm2;
   }
 
   std::optional<Trial> plane_step(Trial& trial) const {
@@ -232,7 +264,7 @@ class Iteration {
   void record(const Trial& step) {
     const Vec6 unscaled = step.frame.unscaled(step.step_scaled);
     state_.trace.push_back({step.from, state_.fit.equations.weighted_rms_mm(), state_.fit.equations.count,
-                            unscaled.head<3>().norm(), unscaled.tail<3>().norm(),
+                            unscaled.head<3>().norm(), unscaled.tail<3>().norm(), state_.fit.scale.cut_mm,
                             trial_ && trial_->accelerated});
     ++state_.iterations;
   }
@@ -317,7 +349,12 @@ class Iteration {
     const auto further = accelerator_.propose(step.from, step.to, step.rms_after_mm);
     state_.part_from_mcs = further.value_or(step.to);
     trial_->accelerated = further.has_value();
-    if (further) trial_->objective_mm2 = step.rms_after_mm * step.rms_after_mm * state_.fit.equations.weight;
+    if (further) {
+      trial_->limit_mm2 = step.rms_after_mm * step.rms_after_mm * state_.fit.equations.weight;
+      for (std::size_t i = 0; i < scan_.size(); ++i)  // those that the cut left out
+        if (state_.weights[i] == 0.0 && trial_->weights[i] > 0.0)
+          trial_->limit_mm2 += trial_->weights[i] * trial_->cut_mm * trial_->cut_mm;
+    }
   }
 
   Correspondences& correspondences() { return state_.correspondences; }
@@ -331,7 +368,6 @@ class Iteration {
   Accelerator accelerator_;
   std::optional<Trial> trial_;
   std::optional<double> previous_rms_mm_;
-  double weighted_squares_at_from_ = 0.0;
   double relaxation_ = 1.0;
   int unsettled_steps_ = 0;
   std::optional<RejectionScale> held_scale_;  // while the iteration converges

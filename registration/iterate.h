@@ -46,6 +46,12 @@ enum class IterationGoal {
 
 // Moves `state` from its pose on the points of `scan` until `goal`; the goal itself is no termination. With
 // `exact`, the CAD surfaces take the place of their facets.
+//
+// With options.step.control no pose of the trace has a higher objective than the one before it: the rule's
+// own, sum w rho(distance) over all points, with closest points found anew and the scale and the weights of
+// the one before (consistent_cut: rho(d) = min(|d|, cut)^2; least_median_of_squares: the sum of squares over
+// its selection). A step that would raise it is halved. The last step, from the last pose of the trace to the
+// result, met a criterion to stop and is not looked at.
 std::optional<Termination> iterate(const RegistrationProblem& problem, const WorkingScan& scan,
                                    IterationGoal goal, bool exact, RegistrationState& state);
 

@@ -132,8 +132,7 @@ struct RejectionOptions {
 
 struct StepOptions {
   StepMethod method = StepMethod::point_to_plane;
-  // Halves a step that raises the objective over the correspondences it was computed from. Off: every step is
-  // taken, as published.
+  // Halves a step that raises the objective (iterate.h). Off: every step is taken, as published.
   bool control = true;
 
   template <class Self, class Visitor>

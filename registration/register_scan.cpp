@@ -121,7 +121,7 @@ RegistrationResult report(const FacetModel& model, const WorkingScan& scan, std:
       ++result.inliers;
     }
   result.outliers = scan_size - result.inliers;
-  result.initial_rms_mm = state.first_rms_mm;
+  result.first_rms_mm = state.first_rms_mm;
   result.weighted_rms_mm = state.fit.equations.weighted_rms_mm();
   result.rms_mm = unweighted_rms_mm(state);
   // A nanometre is nobody's misfit: what a fit without noise leaves.

@@ -58,7 +58,7 @@ std::string brief_report(const RegistrationResult& result) {
   return fmt::format(
       "{} after {} iterations: RMS {:.6f} mm of {} points ({} rejected), {:.6f} mm before{}",
       to_string(result.termination), result.iterations, result.rms_mm, result.inliers, result.outliers,
-      result.initial_rms_mm,
+      result.first_rms_mm,
       result.undetermined.empty() ? "" : fmt::format("; {} undetermined", result.undetermined.size()));
 }
 
@@ -73,7 +73,7 @@ std::string full_report(const RegistrationResult& result) {
   line("termination", fmt::format("{}: {}", to_string(result.termination), words_for(result.termination)));
   line("iterations", fmt::format("{}", result.iterations));
   line("inliers, outliers", fmt::format("{}, {}", result.inliers, result.outliers));
-  line("RMS before, after (mm)", fmt::format("{:.6f}, {:.6f}", result.initial_rms_mm, result.rms_mm));
+  line("RMS before, after (mm)", fmt::format("{:.6f}, {:.6f}", result.first_rms_mm, result.rms_mm));
   line("weighted RMS (mm)", fmt::format("{:.6f}", result.weighted_rms_mm));
   line("rotation w, x, y, z", fmt::format("{:.12f}, {:.12f}, {:.12f}, {:.12f}", q.w(), q.x(), q.y(), q.z()));
   line("translation (mm)", fmt::format("{:.9f}, {:.9f}, {:.9f}", t.x(), t.y(), t.z()));

@@ -27,6 +27,7 @@ struct IterationTrace {
   std::size_t inliers;
   double step_rotation_rad;
   double step_translation_mm;  // of the scan centroid
+  double cut_mm;               // residuals beyond it were rejected; infinity where the rule has no cut
   bool accelerated;
 };
 
@@ -63,8 +64,9 @@ struct RegistrationResult {
   std::size_t outliers = 0;
   std::vector<bool> is_inlier;  // per scan point
 
-  // Unweighted, no rejection, at the initial pose; of the first even subsample when one was used.
-  double initial_rms_mm = 0.0;
+  // At the initial pose, unweighted, no rejection, of the points that the first iterations use: an even
+  // subsample of a large scan.
+  double first_rms_mm = 0.0;
   double weighted_rms_mm = 0.0;  // what was minimised: sqrt(sum w d^2 / sum w) over the inliers
   double rms_mm = 0.0;           // unweighted RMS distance of the inliers
   // The residuals of neighbouring inliers agree: form errors of the part, another part, or a wrong minimum.

@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "geometry/error.h"
 #include "geometry/spatial_order.h"
@@ -94,6 +95,10 @@ ScanExtent extent_of(const WorkingScan& scan) {
 }
 
 void check_not_collinear(const ScanExtent& extent) {
+  // The centroid of equal points is off by the rounding of their sum.
+  const double rounding_mm = 64.0 * std::numeric_limits<double>::epsilon() * extent.centroid_mcs_mm.norm();
+  if (!(extent.maximum_radius_mm > rounding_mm))
+    throw InputError("all scan points lie in one place; at least three non-collinear points are needed");
   const Vec3 spread =
       Eigen::SelfAdjointEigenSolver<Mat3>(extent.moment_mm2, Eigen::EigenvaluesOnly).eigenvalues();
   // 1e-12 in the square is one millionth of the extent: a hundred times the rounding of coordinates that are

@@ -34,7 +34,7 @@ struct ScanExtent {
 };
 ScanExtent extent_of(const WorkingScan& scan);
 
-// Throws InputError when the points lie on one line.
+// Throws InputError when the points lie on one line or in one place.
 void check_not_collinear(const ScanExtent& extent);
 
 }  // namespace trueblade

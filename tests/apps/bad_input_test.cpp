@@ -369,7 +369,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"a tab", inspect("tab.yaml"), {"tab.yaml:2: is indented with a tab, must be with spaces"}},
         BadInput{"a decimal comma",
                  inspect("comma.yaml"),
-                 {"comma.yaml:3: spacing_mm is \"0,5\", must be a number with a decimal point: 0.5"}},
+                 {"comma.yaml:3: scan.spacing_mm is \"0,5\", must be a number with a decimal point: 0.5"}},
         BadInput{"a decimal comma in braces",
                  inspect("comma_in_braces.yaml"),
                  {"comma_in_braces.yaml:2: spacing_mm is \"0,5\"", "decimal point: 0.5"}},

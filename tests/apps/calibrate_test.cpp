@@ -124,7 +124,7 @@ TEST(Calibrate, BadInputIsNamed) {
            "x.yaml"},
           "blade.yaml: the part must be the reference sphere");
   refused({with("small.yaml", "diameter_mm: 20", "diameter_mm: 0"), "--out", "x.yaml"},
-          "small.yaml:4: diameter_mm is 0, must be between 0.1 and 1000");
+          "small.yaml:4: part.parameters.diameter_mm is 0, must be between 0.1 and 1000");
   refused({with("far.yaml", "standoff_spread_mm: 2", "standoff_spread_mm: 4"), "--out", "x.yaml"},
           "standoff_spread_mm is 4, must be at least 0 and below 4");
   // Without a spread of the standoff only the errors to be found vary the distance; too little for this

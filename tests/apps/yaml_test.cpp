@@ -213,13 +213,13 @@ INSTANTIATE_TEST_SUITE_P(
         Defect{"names: [[a]]\n", "sample.yaml:1: an item of names is a list, must be a single value"},
         Defect{"range: [2, 1]\n", "sample.yaml:1: range is [2, 1], must be [low, high]"},
         Defect{"pose: {rotation_wxyz: [1, 1, 0, 0]}\n",
-               "sample.yaml:1: rotation_wxyz has length 1.4142135623730951, must be a unit quaternion"},
+               "sample.yaml:1: pose.rotation_wxyz has length 1.4142135623730951, must be a unit quaternion"},
         Defect{"shade: drak\n",
                "sample.yaml:1: shade is \"drak\", did you mean \"dark\"? It must be one of light, dark"},
         Defect{"items: {name: x}\n", "sample.yaml:1: items is a map, must be a list"},
         Defect{"items: [x]\n", "sample.yaml:1: items[0] is a single value, must be a map"},
         Defect{"extra: {name: x, angle_deg: 181}\n",
-               "sample.yaml:1: angle_deg is 181, must be from -180 to 180"},
+               "sample.yaml:1: extra.angle_deg is 181, must be from -180 to 180"},
         Defect{"title: &a x\nnames: [*a]\n", "sample.yaml:1: anchors (&) and aliases (*) are not supported"},
         Defect{"title: !!python/object x\n",
                "sample.yaml:1: tag \"tag:yaml.org,2002:python/object\" is not supported"},
@@ -250,11 +250,13 @@ TEST(YamlReader, AttachesTheLineToAComplaintOfALibrary) {
     }
     return std::string("no error");
   };
-  EXPECT_EQ(complain_about("tolerance_rad is 1, must be 2"), "sample.yaml:2: tolerance_rad is 1, must be 2");
-  EXPECT_EQ(complain_about("lens x: tolerance_rad is 1"), "sample.yaml:2: lens x: tolerance_rad is 1");
-  EXPECT_EQ(complain_about("b.depth is 2"), "sample.yaml:4: b.depth is 2");
-  EXPECT_EQ(complain_about("b.width is 2"), "sample.yaml:3: b.width is 2");
+  EXPECT_EQ(complain_about("tolerance_rad is 1, must be 2"),
+            "sample.yaml:2: a.tolerance_rad is 1, must be 2");
+  EXPECT_EQ(complain_about("lens x: tolerance_rad is 1"), "sample.yaml:2: lens x: a.tolerance_rad is 1");
+  EXPECT_EQ(complain_about("b.depth is 2"), "sample.yaml:4: a.b.depth is 2");
+  EXPECT_EQ(complain_about("b.width is 2"), "sample.yaml:3: a.b.width is 2");
   EXPECT_EQ(complain_about("the whole is odd"), "sample.yaml:1: the whole is odd");
+  EXPECT_EQ(complain_about("the b is odd"), "sample.yaml:3: the b is odd");  // a word, not surely the key
 }
 
 TEST(YamlReader, RefusesInputMadeToExhaustMemoryOrStack) {

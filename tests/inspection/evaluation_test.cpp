@@ -173,7 +173,7 @@ TEST(Evaluation, DatumSurfacesAreFittedAlone) {
       register_to_datum(target, scan, {}, preset("default"), {6, 7, 8, 9, 10, 11});
   EXPECT_NEAR(on_first.part_from_mcs.translation_mm.norm(), 0.0, 1e-7);
   EXPECT_NEAR((on_second.part_from_mcs.translation_mm - Vec3(0, -0.05, 0)).norm(), 0.0, 1e-7);
-  EXPECT_EQ(on_first.initial_rms_mm, best.initial_rms_mm);
+  EXPECT_EQ(on_first.first_rms_mm, best.first_rms_mm);
 }
 
 TEST(Evaluation, WhatFailsIsNamedAndTheRestIsMade) {

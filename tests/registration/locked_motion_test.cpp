@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/random.h"
+#include "registration/rotation_jacobian.h"
 #include "tests/registration/shapes.h"
 
 namespace trueblade {
@@ -61,6 +62,24 @@ TEST(LockedMotion, MovedFollowsTheStepToFirstOrder) {
     const RigidTransform moved = motion.moved(pose, step, frame);
     const Vec6 found = frame.scaled(step_between(pose, moved, frame.pivot_part_mm));
     EXPECT_LT((found - step).norm(), 1e-9);  // second order, h^2 / radius, and rounding 1e-14
+  }
+}
+
+// R(rho + d) = R(J d) R(rho), by central differences: their error is h^2 / 6 and rounding 1e-16 / h.
+TEST(RotationJacobian, IsTheDerivativeOfTheRotation) {
+  constexpr double kStep = 1e-5;
+  Rng rng(2, 0, "rotations");
+  for (int trial = 0; trial < 100; ++trial) {
+    const Vec3 rho = 3.0 * rng.uniform() * rng.normal_vector().normalized() * (trial % 4 == 0 ? 1e-9 : 1.0);
+    const Mat3 jacobian = rotation_jacobian(rho);
+    for (int k = 0; k < 3; ++k) {
+      const auto turned = [&](double step) {
+        return vector_from_rotation(rotation_from_vector(rho + step * Vec3::Unit(k)) *
+                                    rotation_from_vector(rho).conjugate());
+      };
+      const Vec3 difference = (turned(kStep) - turned(-kStep)) / (2.0 * kStep);
+      EXPECT_LT((jacobian.col(k) - difference).norm(), 1e-9) << rho.transpose();
+    }
   }
 }
 

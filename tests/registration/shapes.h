@@ -2,16 +2,19 @@
 // Lengths in mm; everything is a pure function of its arguments.
 #pragma once
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "geometry/random.h"
 #include "geometry/rigid_transform.h"
 #include "geometry/scan_points.h"
 #include "part/part.h"
+#include "registration/result.h"
 
 namespace trueblade::shapes {
 
@@ -218,6 +221,17 @@ struct PoseError {
 inline PoseError pose_error(const RigidTransform& found, const RigidTransform& truth,
                             const Vec3& centroid_mcs_mm) {
   return {rotation_angle_between(found, truth), (found * centroid_mcs_mm - truth * centroid_mcs_mm).norm()};
+}
+
+// How far apart two registrations of one scan may end that differ by nothing but the rounding of distances,
+// each up to 64 ulps of `largest_mm`, the largest coordinate: least squares turn errors e of n distances into
+// a motion of the centroid of at most |e| times the norm of the solution's operator, its standard deviation
+// over sigma.
+inline double rounding_of_the_centroid_mm(const RegistrationResult& result, double largest_mm) {
+  const double error_mm = 64.0 * std::numeric_limits<double>::epsilon() * largest_mm;
+  const Mat3 covariance = result.covariance.bottomRightCorner<3, 3>();
+  const double deviation_mm = std::sqrt(covariance.eigenvalues().real().maxCoeff());
+  return error_mm * std::sqrt(static_cast<double>(result.inliers)) * deviation_mm / result.sigma_mm;
 }
 
 }  // namespace trueblade::shapes
