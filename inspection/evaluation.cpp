@@ -132,7 +132,7 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
     if (anything) result.missing.emplace_back("profiles, sections and offsets: no view was registered");
     return result;
   }
-  if (views.size() == 1) {
+  if (views.size() == 1 && (spec.datum_surfaces.empty() || spec.views_on_datum)) {
     const ScanOfView& only = views.front();
     judge_profiles(spec, target.part(), *only.deviations, *only.registration, result);
     measure_sections(spec, target, *only.deviations, result);
