@@ -141,7 +141,9 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
   }
 
   const ScanPoints all = all_points(views);
-  attempt("joint registration", result.missing, [&] {
+  std::string what = views.size() > 1 ? "joint registration" : "fit to the datum surfaces";
+  if (anything) what += ", and with it profiles, sections and offsets";
+  attempt(what, result.missing, [&] {
     const RegistrationResult registration = register_to_datum(
         target, all, views.front().registration->part_from_mcs, options, spec.datum_surfaces);
     result.joint = joint_result(views,
