@@ -153,10 +153,12 @@ ViewResult failed_view(const ScanPlan& plan, const MeasuredView& measured, const
   return view;
 }
 
-EvaluationSpec evaluation_spec(const Scenario& scenario, const std::vector<std::uint32_t>& datum_surfaces) {
+EvaluationSpec evaluation_spec(const Scenario& scenario, const std::vector<std::uint32_t>& datum_surfaces,
+                               bool views_on_datum) {
   const InspectionSpec& inspection = scenario.inspection;
-  return {inspection.profiles, inspection.sections, inspection.groups, datum_surfaces,
-          inspection.point_uncertainty_mm.value_or(scenario.machine.lens.accuracy_mm)};
+  return {inspection.profiles, inspection.sections,
+          inspection.groups,   datum_surfaces,
+          views_on_datum,      inspection.point_uncertainty_mm.value_or(scenario.machine.lens.accuracy_mm)};
 }
 
 std::vector<ScanOfView> scans_of(const std::vector<FinishedView>& views) {
@@ -217,7 +219,8 @@ void write_part_pictures(const Folder& folder, const PartOnMachine& nominal,
   const std::optional<JointResult>& joint = inspection.evaluation.joint;
   if (!joint) return render(views.front().evaluated.deviations, views.front().evaluated.result);
   ViewResult all;
-  all.view = "all views together";
+  all.view = joint->views.size() > 1 ? "all views together"
+                                     : fmt::format("{}, on the datum surfaces", joint->views.front().view);
   all.statistics = joint->statistics;
   render(joint->deviations, all);
 }
@@ -260,8 +263,8 @@ InspectionRun inspect_scenario(const Scenario& scenario, const std::optional<Fol
 
   run.result.run.colour_limit_mm = colour_limit_mm(scenario, views);
   run.result.evaluation =
-      evaluate_together(evaluation_spec(scenario, datum_surfaces), target, scenario.registration.options,
-                        scenario.inspection.surface, scans_of(views));
+      evaluate_together(evaluation_spec(scenario, datum_surfaces, !options.datum_surfaces.empty()), target,
+                        scenario.registration.options, scenario.inspection.surface, scans_of(views));
   if (run_folder) {
     for (const FinishedView& view : views) write_view(*run_folder, scenario, nominal, view, run.result);
     write_part_pictures(*run_folder / "pictures", nominal, views, run.result);

@@ -13,16 +13,13 @@
 #include <set>
 
 #include "geometry/error.h"
+#include "geometry/robust_sigma.h"
 
 namespace trueblade {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kCut = 3.0;  // sigma; keeps 99.73 % of normal residuals
-// Of the untruncated variance that residuals within the cut show: P = 2 Phi(3) - 1 of them, with the second
-// moment B = P - 2 * 3 phi(3) (registration/covariance.h).
-constexpr double kCutShare = 0.997300204;
-constexpr double kCutMoment = 0.970709272;
 // Residuals of coordinates of 1000 mm are rounded to 1e-13 mm; below a picometre they all are rounding.
 constexpr double kRoundingMm = 1e-9;
 // The distance residual is linearised on the sphere's tangent plane; beyond 80 degrees it says nothing, and
@@ -220,14 +217,14 @@ class SphereFit {
   Eigen::Matrix<double, 3, 2> beam_normals_;
 };
 
-// Standard deviation by the median of the magnitudes (0.6745 sigma for normal residuals).
+// Standard deviation by the median of the magnitudes.
 double robust_sigma(const std::vector<double>& residuals, const std::vector<SampleUse>& uses) {
   std::vector<double> magnitudes;
   for (std::size_t i = 0; i < residuals.size(); ++i)
     if (uses[i] != SampleUse::no_distance) magnitudes.push_back(std::abs(residuals[i]));
   const auto middle = magnitudes.begin() + static_cast<std::ptrdiff_t>(magnitudes.size() / 2);
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return std::max(*middle / 0.6745, kRoundingMm);
+  return std::max(kSigmaPerMedian * *middle, kRoundingMm);
 }
 
 std::size_t count_of(const std::vector<SampleUse>& uses, SampleUse use) {
@@ -371,6 +368,7 @@ SphereCalibration calibrate_by_sphere(const MachineGeometry& nominal, double sta
     sigma = robust_sigma(fit.residuals(), uses);
   }
   // Then a hard cut, until no sample changes sides.
+  const Truncation left_by_cut = truncation_at(kCut);
   for (bool changed = true; converged && changed && result.passes < kMostPasses; ++result.passes) {
     changed = false;
     const std::vector<double> residuals = fit.residuals();
@@ -388,7 +386,9 @@ SphereCalibration calibrate_by_sphere(const MachineGeometry& nominal, double sta
     for (std::size_t i = 0; i < samples.size(); ++i)
       if (uses[i] == SampleUse::used) squares += left[i] * left[i];
     const double used = static_cast<double>(count_of(uses, SampleUse::used));
-    sigma = std::max(std::sqrt(squares / (used - kSphereParameters) * kCutShare / kCutMoment), kRoundingMm);
+    sigma =
+        std::max(std::sqrt(squares / (used - kSphereParameters) * left_by_cut.inside / left_by_cut.second),
+                 kRoundingMm);
   }
   if (!(sigma <= kMostScatterShare * sphere.radius_mm))
     throw InputError(fmt::format(

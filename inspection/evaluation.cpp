@@ -132,7 +132,7 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
     if (anything) result.missing.emplace_back("profiles, sections and offsets: no view was registered");
     return result;
   }
-  if (views.size() == 1) {
+  if (views.size() == 1 && (spec.datum_surfaces.empty() || spec.views_on_datum)) {
     const ScanOfView& only = views.front();
     judge_profiles(spec, target.part(), *only.deviations, *only.registration, result);
     measure_sections(spec, target, *only.deviations, result);
@@ -141,7 +141,9 @@ EvaluationResult evaluate_together(const EvaluationSpec& spec, const Registratio
   }
 
   const ScanPoints all = all_points(views);
-  attempt("joint registration", result.missing, [&] {
+  std::string what = views.size() > 1 ? "joint registration" : "fit to the datum surfaces";
+  if (anything) what += ", and with it profiles, sections and offsets";
+  attempt(what, result.missing, [&] {
     const RegistrationResult registration = register_to_datum(
         target, all, views.front().registration->part_from_mcs, options, spec.datum_surfaces);
     result.joint = joint_result(views,

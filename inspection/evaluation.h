@@ -35,6 +35,7 @@ struct EvaluationSpec {
   // The first group is what the others are compared with.
   std::vector<GroupSpec> groups;
   std::vector<std::uint32_t> datum_surfaces;  // empty: best fit
+  bool views_on_datum = false;                // the views' own registrations are on these surfaces already
   double point_uncertainty_mm = 0.0;          // standard, of one measured distance
 };
 
@@ -69,7 +70,7 @@ struct GroupFit {
 };
 
 struct EvaluationResult {
-  std::optional<JointResult> joint;           // of two and more views
+  std::optional<JointResult> joint;           // see evaluate_together
   std::vector<std::uint32_t> datum_surfaces;  // those of the specification
   std::vector<ProfileResult> profiles;
   std::vector<SectionResult> sections;
@@ -82,9 +83,9 @@ struct EvaluationResult {
   std::vector<std::string> missing_features;
 };
 
-// Profiles, sections and offsets take all points at the joint pose where there is more than one view, else
-// the only view at its own. `views` are those that were registered; none: everything is missing. What fails
-// is put into `missing` and the rest is made.
+// Profiles, sections and offsets take all points at the joint pose where there is more than one view, or one
+// that has yet to be fitted to the datum surfaces, else the only view at its own. `views` are those that were
+// registered; none: everything is missing. What fails is put into `missing` and the rest is made.
 EvaluationResult evaluate_together(const EvaluationSpec& spec, const RegistrationTarget& target,
                                    const RegistrationOptions& options, DeviationSurface surface,
                                    const std::vector<ScanOfView>& views);

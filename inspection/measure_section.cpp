@@ -84,10 +84,10 @@ class Spread {
   std::size_t count_ = 0;
 };
 
-SectionFeature feature(const char* name, const char* unit, const char* method, double nominal) {
+SectionFeature feature(Feature which, const char* method, double nominal) {
   SectionFeature f;
-  f.name = name;
-  f.unit = unit;
+  f.name = name_of(which).name;
+  f.unit = name_of(which).unit;
   f.method = method;
   f.nominal = nominal;
   return f;
@@ -103,10 +103,10 @@ bool supports_sides(const SectionCurve& curve, const InscribedCircle& circle) {
 void add_outline_features(const SectionOutline& outline, const SectionCurve& curve, SectionResult& result) {
   const OutlineFeatures nominal = features_of(outline);
   SectionFeature chord =
-      feature("chord", "mm", "maximum chord: farthest two points of the outline", nominal.chord.length_mm);
-  SectionFeature stagger = feature("stagger", "rad", "angle of the maximum chord against the x direction",
+      feature(Feature::chord, "maximum chord: farthest two points of the outline", nominal.chord.length_mm);
+  SectionFeature stagger = feature(Feature::stagger, "angle of the maximum chord against the x direction",
                                    nominal.chord.stagger_rad);
-  SectionFeature thickness = feature("maximum_thickness", "mm", "diameter of the largest inscribed circle",
+  SectionFeature thickness = feature(Feature::maximum_thickness, "diameter of the largest inscribed circle",
                                      nominal.circle.diameter_mm);
   const OutlineFeatures measured = features_of(curve.measured_outline(), nominal.circle.first);
   // A chord that ends where nothing was measured would be the curve's own invention.
@@ -136,11 +136,11 @@ void add_outline_features(const SectionOutline& outline, const SectionCurve& cur
 
 // The nominal radius is fitted to the nominal outline where the points were measured, so that both numbers
 // mean the same arc.
-SectionFeature edge_radius(const char* name, const SectionOutline& outline, std::size_t apex,
+SectionFeature edge_radius(Feature which, const SectionOutline& outline, std::size_t apex,
                            const Vec2& direction, const std::vector<SectionPoint>& section) {
-  SectionFeature radius = feature(
-      name, "mm", "least-squares circle, points whose normals lie within 50 degrees of the chord's end",
-      std::numeric_limits<double>::quiet_NaN());
+  SectionFeature radius =
+      feature(which, "least-squares circle, points whose normals lie within 50 degrees of the chord's end",
+              std::numeric_limits<double>::quiet_NaN());
   std::vector<bool> in_region(outline.size(), false);
   const std::vector<std::size_t> region = edge_region(outline, apex, direction);
   for (const std::size_t i : region) in_region[i] = true;
@@ -193,9 +193,9 @@ void add_rigid_features(const SectionOutline& outline, const SectionCurve& curve
                         const std::vector<SectionPoint>& section, SectionResult& result) {
   constexpr const char* kMethod =
       "best fit of the section in its plane, about the nominal centroid of the area";
-  std::array<SectionFeature, 3> features{feature("twist", "rad", kMethod, 0.0),
-                                         feature("displacement_x", "mm", kMethod, 0.0),
-                                         feature("displacement_y", "mm", kMethod, 0.0)};
+  std::array<SectionFeature, 3> features{feature(Feature::twist, kMethod, 0.0),
+                                         feature(Feature::displacement_x, kMethod, 0.0),
+                                         feature(Feature::displacement_y, kMethod, 0.0)};
   std::string reason;
   std::optional<SectionRigidFit> fit;
   std::vector<double> weight_mm;
@@ -273,8 +273,10 @@ SectionResult measure_section(const Part& part, const SectionsSpec& spec, double
   add_outline_features(outline, curve, result);
   const Chord chord = maximum_chord(outline);
   const Vec2 along = (outline.point_mm[chord.trailing] - outline.point_mm[chord.leading]).normalized();
-  result.features.push_back(edge_radius("leading_edge_radius", outline, chord.leading, -along, section));
-  result.features.push_back(edge_radius("trailing_edge_radius", outline, chord.trailing, along, section));
+  result.features.push_back(
+      edge_radius(Feature::leading_edge_radius, outline, chord.leading, -along, section));
+  result.features.push_back(
+      edge_radius(Feature::trailing_edge_radius, outline, chord.trailing, along, section));
   add_rigid_features(outline, curve, section, result);
   keep_for_the_picture(outline, curve, section, result);
   return result;
@@ -283,7 +285,7 @@ SectionResult measure_section(const Part& part, const SectionsSpec& spec, double
 void add_bow(std::vector<SectionResult>& sections) {
   const SectionResult *first = nullptr, *last = nullptr;
   const auto is_located = [](const SectionResult& section) {
-    const SectionFeature* shift = section.find("displacement_x");
+    const SectionFeature* shift = section.find(name_of(Feature::displacement_x).name);
     return shift && std::isfinite(shift->measured);
   };
   for (const SectionResult& section : sections) {
@@ -292,15 +294,16 @@ void add_bow(std::vector<SectionResult>& sections) {
     if (!last || section.height_mm > last->height_mm) last = &section;
   }
   if (!first || last->height_mm <= first->height_mm) return;
-  for (const char* axis : {"x", "y"}) {
-    const std::string displacement = std::string("displacement_") + axis;
+  for (const auto& [which, of] : {std::pair{Feature::bow_x, Feature::displacement_x},
+                                  std::pair{Feature::bow_y, Feature::displacement_y}}) {
+    const std::string displacement = name_of(of).name;
     const SectionFeature lower = *first->find(displacement), upper = *last->find(displacement);
     for (SectionResult& section : sections) {
       if (&section == first || &section == last || !is_located(section)) continue;
       const SectionFeature here = *section.find(displacement);
       const double t = (section.height_mm - first->height_mm) / (last->height_mm - first->height_mm);
-      SectionFeature bow = feature(axis[0] == 'x' ? "bow_x" : "bow_y", "mm",
-                                   "displacement from the straight line between the outermost sections", 0.0);
+      SectionFeature bow =
+          feature(which, "displacement from the straight line between the outermost sections", 0.0);
       bow.measured = here.measured - ((1.0 - t) * lower.measured + t * upper.measured);
       bow.uncertainty = std::sqrt(std::pow(here.uncertainty, 2) + std::pow((1.0 - t) * lower.uncertainty, 2) +
                                   std::pow(t * upper.uncertainty, 2));

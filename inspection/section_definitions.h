@@ -3,11 +3,25 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <numbers>
 
 namespace trueblade {
 
-// In the order in which measure_section and then add_bow give them.
+// In the order in which measure_section and then add_bow give them; places in kSectionFeatures.
+enum class Feature : std::size_t {
+  chord,
+  stagger,
+  maximum_thickness,
+  leading_edge_radius,
+  trailing_edge_radius,
+  twist,
+  displacement_x,
+  displacement_y,
+  bow_x,
+  bow_y
+};
+
 struct SectionFeatureName {
   const char* name;
   const char* unit;
@@ -22,6 +36,9 @@ inline constexpr std::array<SectionFeatureName, 10> kSectionFeatures{{{"chord", 
                                                                       {"displacement_y", "mm"},
                                                                       {"bow_x", "mm"},
                                                                       {"bow_y", "mm"}}};
+constexpr const SectionFeatureName& name_of(Feature feature) {
+  return kSectionFeatures[static_cast<std::size_t>(feature)];
+}
 
 // The outline's points are no further apart than this, and its normals turn by no more between them: at an
 // edge of 0.25 mm radius every 9 um, so that a point of the scan is at most a degree from the nearest.

@@ -5,30 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/robust_sigma.h"
 #include "registration/normal_equations.h"
 
 namespace trueblade {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
-
-double normal_density(double x) {
-  return std::exp(-0.5 * x * x) / std::sqrt(2.0 * kPi);
-}
-
-// What a cut at k standard deviations leaves of a standard normal distribution.
-struct Truncation {
-  double inside = 1.0;  // P, probability
-  double second = 1.0;  // B, second moment; also the mean derivative of the influence function
-};
-
-Truncation truncation_at(double k) {
-  if (!(k < 38.0)) return {};  // the density underflows
-  Truncation t;
-  t.inside = std::erf(k / std::sqrt(2.0));
-  t.second = t.inside - 2.0 * k * normal_density(k);
-  return t;
-}
 
 // Weights of the points in sum w^2 v J J', the matrix of the noise that they carry into the gradient.
 std::vector<double> noise_weights(const Correspondences& c, std::span<const double> bread,

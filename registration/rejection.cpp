@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
+#include "geometry/robust_sigma.h"
+
 namespace trueblade {
 namespace {
-
-constexpr double kSigmaPerMedian = 1.4826022185056018;  // 1 / inverse_normal(0.75)
 
 std::vector<double> unsigned_sorted_to(std::span<const double> residual, std::span<const double> weights,
                                        double quantile, std::size_t stride, std::size_t& rank) {

@@ -84,7 +84,7 @@ void require_results(const StudyModel& model, const StudyRun& run, const TrialSt
     const StudyCase& item = model.cases()[number];
     if (item.role != StudyCase::Role::given) continue;
     const auto failures = store.failures(number, run.trials);  // the most frequent first
-    if (failures.empty() || !store.column(number, 0, run.trials).empty()) continue;
+    if (failures.empty() || store.has_result(number, run.trials)) continue;
     throw InputError(fmt::format("case \"{}\": no trial has a result; first trial {}: {}", item.name,
                                  failures.front().first_trial, failures.front().failure));
   }

@@ -99,7 +99,9 @@ struct Message {
 std::optional<Message> receive_if_any() {
   int here = 0;
   MPI_Status status;
-  MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &here, &status);
+  // Open MPI looks for a message first and then takes in what has come: the next look finds that.
+  for (int look = 0; look < 2 && !here; ++look)
+    MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &here, &status);
   if (!here) return std::nullopt;
   int size = 0;
   MPI_Get_count(&status, MPI_BYTE, &size);

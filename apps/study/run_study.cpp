@@ -86,8 +86,10 @@ class HopelessCaseWatch {
 
 std::vector<double> block_values(const TrialStore& store, std::size_t quantity, const TrialRange& block) {
   std::vector<double> values;
-  for (const auto& [trial, value] : store.column(0, quantity, block))
-    if (std::isfinite(value)) values.push_back(value);
+  const TrialStore::Cell cell{0, quantity};
+  store.for_each_value({&cell, 1}, block, [&](std::uint64_t, std::span<const double> value) {
+    if (std::isfinite(value[0])) values.push_back(value[0]);
+  });
   return values;
 }
 

@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <map>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "apps/study/influences.h"
 #include "apps/study/part_quantities.h"
@@ -19,7 +21,7 @@ namespace trueblade {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Column = std::vector<std::pair<std::uint64_t, double>>;  // trial, value
+using Cell = TrialStore::Cell;
 
 constexpr std::size_t kHistogramBins = 40;
 constexpr std::size_t kScatterPoints = 1000;
@@ -35,25 +37,42 @@ Json interval(const CoverageInterval& ends) {
   return {number(ends.low), number(ends.high)};
 }
 
-std::vector<double> finite_values(const Column& column) {
-  std::vector<double> values;
-  for (const auto& [trial, value] : column)
-    if (std::isfinite(value)) values.push_back(value);
-  return values;
+bool all_finite(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
 }
 
-// Trials that have a value in all columns, as one vector for each.
-std::vector<std::vector<double>> common_trials(const std::vector<Column>& columns) {
-  std::map<std::uint64_t, std::size_t> seen;
-  for (const Column& column : columns)
-    for (const auto& [trial, value] : column)
-      if (std::isfinite(value)) ++seen[trial];
-  std::vector<std::vector<double>> values(columns.size());
-  for (std::size_t c = 0; c < columns.size(); ++c)
-    for (const auto& [trial, value] : columns[c])
-      if (std::isfinite(value) && seen[trial] == columns.size()) values[c].push_back(value);
-  return values;
-}
+// What the study keeps of these trials. One quantity is read at a time, so that a long study takes hardly
+// more memory than a short one.
+struct Rows {
+  const StudyModel& model;
+  const TrialStore& store;
+  TrialRange trials;
+
+  std::optional<Cell> find(std::uint32_t case_number, const std::string& name) const {
+    for (std::size_t k = 0; k < model.quantities().size(); ++k)
+      if (model.quantities()[k].name == name) return Cell{case_number, k};
+    return std::nullopt;
+  }
+
+  // Calls `row` for the trials that have a value in all cells.
+  void for_each_common(std::span<const Cell> cells,
+                       const std::function<void(std::span<const double>)>& row) const {
+    store.for_each_value(cells, trials, [&](std::uint64_t, std::span<const double> values) {
+      if (all_finite(values)) row(values);
+    });
+  }
+
+  // The same as one vector for each cell.
+  std::vector<std::vector<double>> common_values(std::span<const Cell> cells) const {
+    std::vector<std::vector<double>> values(cells.size());
+    for_each_common(cells, [&](std::span<const double> row) {
+      for (std::size_t c = 0; c < row.size(); ++c) values[c].push_back(row[c]);
+    });
+    return values;
+  }
+
+  std::vector<double> values(const Cell& cell) const { return common_values({&cell, 1}).front(); }
+};
 
 // Standard error of a standard deviation, for any distribution: sqrt(m4 - s^4) / (2 s sqrt(M)).
 double uncertainty_error(const std::vector<double>& values, const Statement& s) {
@@ -81,8 +100,7 @@ bool is_signed_error(const Quantity& quantity) {
                       [&](const char* size) { return quantity.name.ends_with(size); });
 }
 
-Json statement(const Quantity& quantity, const Column& column, double probability) {
-  const std::vector<double> values = finite_values(column);
+Json statement(const Quantity& quantity, const std::vector<double>& values, double probability) {
   Json json{{"unit", quantity.unit}, {"description", quantity.description}, {"values", values.size()}};
   if (values.size() < least_trials(probability)) return json;
   const Statement s = statement_of(values, probability);
@@ -98,11 +116,12 @@ Json statement(const Quantity& quantity, const Column& column, double probabilit
 }
 
 // Trials that have a result, but not this quantity; `study show --trial` tells why.
-Json without_value(const Column& column) {
+Json without_value(const Rows& rows, const Cell& cell) {
   Json json{{"count", 0}};
   std::size_t count = 0;
-  for (const auto& [trial, value] : column)
-    if (!std::isfinite(value) && count++ == 0) json["first_trial"] = trial;
+  rows.store.for_each_value({&cell, 1}, rows.trials, [&](std::uint64_t trial, std::span<const double> value) {
+    if (!std::isfinite(value[0]) && count++ == 0) json["first_trial"] = trial;
+  });
   json["count"] = count;
   return json;
 }
@@ -121,24 +140,6 @@ Json settings(const std::vector<FieldValue>& set) {
   return json;
 }
 
-// What the study keeps, by its full name.
-class Columns {
- public:
-  Columns(const StudyModel& model, const TrialStore& store, const TrialRange& trials)
-      : model_(model), store_(store), trials_(trials) {}
-
-  std::optional<Column> find(std::uint32_t case_number, const std::string& name) const {
-    for (std::size_t k = 0; k < model_.quantities().size(); ++k)
-      if (model_.quantities()[k].name == name) return store_.column(case_number, k, trials_);
-    return std::nullopt;
-  }
-
- private:
-  const StudyModel& model_;
-  const TrialStore& store_;
-  TrialRange trials_;
-};
-
 // Distribution function of chi-square with 6 degrees of freedom, and its quantile by bisection.
 double chi_square_6(double x) {
   return 1.0 - std::exp(-0.5 * x) * (1.0 + 0.5 * x + 0.125 * x * x);
@@ -153,88 +154,93 @@ double chi_square_6_quantile(double probability) {
   return high;
 }
 
-double root_mean_square(const std::vector<double>& values) {
-  double squares = 0.0;
-  for (const double value : values) squares += value * value;
-  return std::sqrt(squares / static_cast<double>(values.size()));
+double root_mean_square(const Rows& rows, const Cell& cell) {
+  double squares = 0.0, count = 0.0;
+  rows.for_each_common({&cell, 1}, [&](std::span<const double> value) {
+    squares += value[0] * value[0];
+    ++count;
+  });
+  return count > 0.0 ? std::sqrt(squares / count) : kNoValue;
 }
 
 // Cramer-Rao bound beside the spread, and how often the reported covariance covers the truth.
-Json theory(const Columns& columns, std::uint32_t case_number, const std::string& view, double probability) {
+Json theory(const Rows& rows, std::uint32_t case_number, const std::string& view, double probability) {
   Json json;
   for (const char* component : {"rotation_x_rad", "rotation_y_rad", "rotation_z_rad", "translation_x_mm",
                                 "translation_y_mm", "translation_z_mm"}) {
-    const auto error = columns.find(case_number, fmt::format("{}.error_{}", view, component));
-    const auto reported = columns.find(case_number, fmt::format("{}.u_{}", view, component));
-    const auto bound = columns.find(case_number, fmt::format("{}.bound_{}", view, component));
+    const auto error = rows.find(case_number, fmt::format("{}.error_{}", view, component));
+    const auto reported = rows.find(case_number, fmt::format("{}.u_{}", view, component));
+    const auto bound = rows.find(case_number, fmt::format("{}.bound_{}", view, component));
     if (!error || !reported || !bound) continue;
-    const std::vector<double> errors = finite_values(*error), bounds = finite_values(*bound);
+    const std::vector<double> errors = rows.values(*error);
     if (errors.size() < least_trials(probability)) continue;
     const double spread = statement_of(errors, probability).standard_uncertainty;
-    const double least = bounds.empty() ? kNoValue : root_mean_square(bounds);
+    const double least = root_mean_square(rows, *bound);
     json["components"].push_back({{"component", component},
                                   {"spread", spread},
                                   {"cramer_rao_bound", number(least)},
                                   {"spread_to_bound", number(spread / least)},
-                                  {"reported", number(root_mean_square(finite_values(*reported)))}});
+                                  {"reported", number(root_mean_square(rows, *reported))}});
   }
-  if (const auto column = columns.find(case_number, view + ".normalised_error_squared")) {
-    const std::vector<double> values = finite_values(*column);
-    if (values.empty()) return json;
+  if (const auto cell = rows.find(case_number, view + ".normalised_error_squared")) {
     const double limit = chi_square_6_quantile(probability);
-    const auto covered = static_cast<std::size_t>(
-        std::count_if(values.begin(), values.end(), [&](double value) { return value <= limit; }));
+    std::size_t count = 0, covered = 0;
+    rows.for_each_common({&*cell, 1}, [&](std::span<const double> value) {
+      ++count;
+      covered += value[0] <= limit;
+    });
+    if (count == 0) return json;
     json["coverage_of_reported_covariance"] = {
         {"stated", probability},
-        {"observed", static_cast<double>(covered) / static_cast<double>(values.size())},
-        {"confidence_interval_95", interval(share_interval(covered, values.size(), 0.95))},
-        {"trials", values.size()}};
+        {"observed", static_cast<double>(covered) / static_cast<double>(count)},
+        {"confidence_interval_95", interval(share_interval(covered, count, 0.95))},
+        {"trials", count}};
   }
   return json;
 }
 
 // Pose errors of the first trials and the ellipse of the mean reported covariance, for the plot.
-Json scatter(const Columns& columns, std::uint32_t case_number, const std::string& view) {
+Json scatter(const Rows& rows, std::uint32_t case_number, const std::string& view) {
   Json json;
   for (const auto& [first, second, pair] :
        {std::tuple{"x", "y", "xy"}, std::tuple{"x", "z", "xz"}, std::tuple{"y", "z", "yz"}}) {
-    std::vector<Column> found;
+    std::vector<Cell> cells;
     for (const std::string& name :
          {fmt::format("error_translation_{}_mm", first), fmt::format("error_translation_{}_mm", second),
           fmt::format("u_translation_{}_mm", first), fmt::format("u_translation_{}_mm", second),
           fmt::format("reported_correlation_translation_{}", pair)})
-      if (auto column = columns.find(case_number, view + "." + name)) found.push_back(std::move(*column));
-    if (found.size() != 5) return nullptr;
-    const auto values = common_trials(found);
-    if (values[0].empty()) return nullptr;
-    double xx = 0.0, yy = 0.0, xy = 0.0;
-    const auto n = static_cast<double>(values[0].size());
-    for (std::size_t i = 0; i < values[0].size(); ++i) {
-      xx += values[2][i] * values[2][i] / n;
-      yy += values[3][i] * values[3][i] / n;
-      xy += values[2][i] * values[3][i] * values[4][i] / n;
-    }
+      if (const auto cell = rows.find(case_number, view + "." + name)) cells.push_back(*cell);
+    if (cells.size() != 5) return nullptr;
+    double xx = 0.0, yy = 0.0, xy = 0.0, count = 0.0;
     Json points = Json::array();
-    for (std::size_t i = 0; i < std::min(kScatterPoints, values[0].size()); ++i)
-      points.push_back({values[0][i], values[1][i]});
-    json.push_back(
-        {{"x", first}, {"y", second}, {"mean_reported_covariance", {xx, xy, yy}}, {"points", points}});
+    rows.for_each_common(cells, [&](std::span<const double> value) {
+      const double ux = value[2], uy = value[3], correlation = value[4];
+      xx += ux * ux;
+      yy += uy * uy;
+      xy += ux * uy * correlation;
+      ++count;
+      if (points.size() < kScatterPoints) points.push_back({value[0], value[1]});
+    });
+    if (points.empty()) return nullptr;
+    json.push_back({{"x", first},
+                    {"y", second},
+                    {"mean_reported_covariance", {xx / count, xy / count, yy / count}},
+                    {"points", points}});
   }
   return json;
 }
 
 // Running mean and standard uncertainty of the headline over the trials.
-Json convergence(const Column& column) {
+Json convergence(const std::vector<double>& values) {
   Json json = Json::array();
   double mean = 0.0, squares = 0.0;
   std::size_t count = 0, next = 10;
-  for (const auto& [trial, value] : column) {
-    if (!std::isfinite(value)) continue;
+  for (const double value : values) {
     ++count;
     const double before = value - mean;
     mean += before / static_cast<double>(count);
     squares += before * (value - mean);
-    if (count != next && &column.back().first != &trial) continue;
+    if (count != next && count != values.size()) continue;
     next = std::max(next + 1, static_cast<std::size_t>(1.1 * static_cast<double>(next)));
     if (count < 2) continue;
     const double u = std::sqrt(squares / static_cast<double>(count - 1));
@@ -253,11 +259,12 @@ std::vector<std::string> views_of(const Json& quantities) {
   return names;
 }
 
-Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore& store,
-               const TrialRange& trials, std::uint32_t number) {
+Json case_json(const StudySpec& study, const Rows& rows, std::uint32_t number) {
+  const StudyModel& model = rows.model;
   const StudyCase& item = model.cases()[number];
-  const Columns columns(model, store, trials);
-  Json json{{"name", item.name}, {"trials", trials.size()}, {"failures", failures(store, number, trials)}};
+  Json json{{"name", item.name},
+            {"trials", rows.trials.size()},
+            {"failures", failures(rows.store, number, rows.trials)}};
   if (item.role != StudyCase::Role::given) json["for_budget"] = true;
   if (item.views == ViewPolicy::together) json["views"] = "together";
   if (!item.set.empty()) json["set"] = settings(item.set);
@@ -266,30 +273,28 @@ Json case_json(const StudySpec& study, const StudyModel& model, const TrialStore
   const std::vector<Quantity> of_part = part_quantities(study, item.scenario);
   for (std::size_t k = 0; k < model.quantities().size(); ++k) {
     const Quantity& quantity = model.quantities()[k];
-    const Column column = store.column(number, k, trials);
-    const bool exists =
-        std::any_of(column.begin(), column.end(), [](const auto& row) { return std::isfinite(row.second); });
+    const std::vector<double> values = rows.values({number, k});
     // What the scenario asks for is stated even if no trial could measure it.
     const bool asked_for = std::any_of(of_part.begin(), of_part.end(), [&](const Quantity& asked) {
       return quantity.name == "part." + asked.name;
     });
-    if (!exists && !asked_for) continue;
-    json["quantities"][quantity.name] = statement(quantity, column, study.coverage_probability);
-    const Json absent = without_value(column);
+    if (values.empty() && !asked_for) continue;
+    json["quantities"][quantity.name] = statement(quantity, values, study.coverage_probability);
+    const Json absent = without_value(rows, {number, k});
     if (absent["count"] > 0) json["quantities"][quantity.name]["without_value"] = absent;
   }
   const std::size_t headline = quantity_number(model, study.headline);
-  json["convergence"] = convergence(store.column(number, headline, trials));
+  json["convergence"] = convergence(rows.values({number, headline}));
   for (const std::string& view : views_of(json.value("quantities", Json::object()))) {
-    json["theory"][view] = theory(columns, number, view, study.coverage_probability);
-    json["scatter"][view] = scatter(columns, number, view);
+    json["theory"][view] = theory(rows, number, view, study.coverage_probability);
+    json["scatter"][view] = scatter(rows, number, view);
   }
   return json;
 }
 
 // Every given case against the first with the same values of the sweeps.
-Json comparisons(const StudySpec& study, const StudyModel& model, const TrialStore& store,
-                 const TrialRange& trials) {
+Json comparisons(const StudySpec& study, const Rows& rows) {
+  const StudyModel& model = rows.model;
   Json list = Json::array();
   if (study.cases.size() < 2) return list;
   const std::vector<StudyCase>& cases = model.cases();
@@ -300,7 +305,7 @@ Json comparisons(const StudySpec& study, const StudyModel& model, const TrialSto
     if (first == second) continue;
     Json json{{"first", cases[first].name}, {"second", cases[second].name}};
     for (std::size_t k = 0; k < model.quantities().size(); ++k) {
-      const auto values = common_trials({store.column(first, k, trials), store.column(second, k, trials)});
+      const auto values = rows.common_values(std::array{Cell{first, k}, Cell{second, k}});
       if (values[0].size() < 2) continue;
       const PairedDifference d = paired_difference(values[0], values[1], study.coverage_probability);
       json["quantities"][model.quantities()[k].name] = {{"unit", model.quantities()[k].unit},
@@ -329,8 +334,8 @@ std::vector<std::string> first_sources(const Json& sorted_rows, const std::strin
 }
 
 // Contribution of every source to every quantity.
-Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& store,
-            const TrialRange& trials) {
+Json budget(const StudySpec& study, const Rows& rows_of_study) {
+  const StudyModel& model = rows_of_study.model;
   Json json;
   if (study.budget.empty()) return json;
   const auto& cases = model.cases();
@@ -342,12 +347,11 @@ Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& s
   };
   const auto all_anew = case_with(StudyCase::Role::all_anew, "");
   for (std::size_t k = 0; k < model.quantities().size(); ++k) {
-    const Column base = store.column(0, k, trials);
     Json rows = Json::array();
     for (const std::string& source : active_sources(cases[0].scenario)) {
       Json row{{"source", source}};
       if (const auto only = case_with(StudyCase::Role::only_source, source)) {
-        const auto values = finite_values(store.column(*only, k, trials));
+        const auto values = rows_of_study.values({*only, k});
         if (values.size() >= least_trials(study.coverage_probability)) {
           const Statement s = statement_of(values, study.coverage_probability);
           row["alone_standard_uncertainty"] = s.standard_uncertainty;
@@ -357,7 +361,7 @@ Json budget(const StudySpec& study, const StudyModel& model, const TrialStore& s
       const auto anew = case_with(StudyCase::Role::source_anew, source);
       if (all_anew && anew) {
         const auto values =
-            common_trials({base, store.column(*all_anew, k, trials), store.column(*anew, k, trials)});
+            rows_of_study.common_values(std::array{Cell{0, k}, Cell{*all_anew, k}, Cell{*anew, k}});
         if (values[0].size() >= 2) {
           const SobolIndex index = sobol_index(values[0], values[1], values[2]);
           row["first_order"] = index.first_order;
@@ -409,11 +413,12 @@ nlohmann::ordered_json study_document(const StudySpec& study, const StudyModel& 
                         {"trials_expected", s.trials_expected}};
   }
   json["influences"] = influences(study, model.cases());
+  const Rows rows{model, store, run.trials};
   json["cases"] = Json::array();
   for (std::uint32_t number = 0; number < model.cases().size(); ++number)
-    json["cases"].push_back(case_json(study, model, store, run.trials, number));
-  json["comparisons"] = comparisons(study, model, store, run.trials);
-  json["budget"] = budget(study, model, store, run.trials);
+    json["cases"].push_back(case_json(study, rows, number));
+  json["comparisons"] = comparisons(study, rows);
+  json["budget"] = budget(study, rows);
   json["answer"] = answer_in_words(json);
   json["terms"] = terms_in_words(json);
   return json;

@@ -494,13 +494,15 @@ function jointTables() {
   const joint = result.joint;
   if (!joint) { byId('joint-section').remove(); return; }
   const alone = new Map(result.views.map(v => [v.view, v.deviations]));
+  const several = joint.views.length > 1;
   byId('joint').append(
-    element('p', {}, 'All views as one scan: the rotary angles tie them together. Beside it each view registered by itself.'),
+    element('p', {}, several ? 'All views as one scan: the rotary angles tie them together. Beside it each view registered by itself.'
+      : 'The only view that was registered, on the datum surfaces; beside it the view by its best fit.'),
     table(['View', 'RMS together', 'Min', 'Max', 'RMS by itself', 'Min', 'Max'], joint.views.map(v => {
       const own = alone.get(v.view);
       return [v.view, mm(v.deviations.rms_mm), mm(v.deviations.min_mm), mm(v.deviations.max_mm), mm(own.rms_mm), mm(own.min_mm), mm(own.max_mm)];
     })),
-    element('h3', {}, 'Difference between the views, each by itself'), differenceTable(joint.between_views),
+    ...several ? [element('h3', {}, 'Difference between the views, each by itself'), differenceTable(joint.between_views)] : [],
     element('h3', {}, 'Each view by itself, from all together'), differenceTable(joint.views.map(v => v.alone)),
     element('p', {class: 'quiet'}, 'Value \u00b1 expanded uncertainty (k = 2). Red: more than three standard uncertainties; then the views disagree, because the rotary axis stands elsewhere than stated or because the part is no rigid copy of its model.'));
 }
@@ -516,7 +518,9 @@ function factsUnder(title) {
   const facts = element('div', {class: 'facts'});
   byId('registration').append(element('h3', {}, title), facts);
   const unbroken = text => text.replace(/ (mrad|\u00b5m|mm)/g, '\u00a0$1');  // a unit stays with its number
-  return (name, value) => facts.append(element('div', {}, element('span', {}, name), element('span', {}, unbroken(value))));
+  const add = (name, value) => facts.append(element('div', {}, element('span', {}, name), element('span', {}, unbroken(value))));
+  add.after = node => byId('registration').append(node);
+  return add;
 }
 // What the registration of a view and that of all views have in common.
 function addRegistration(add, v) {
@@ -534,6 +538,21 @@ function addRegistration(add, v) {
   if (v.undetermined) add('not determined by the scan', v.undetermined.length ? v.undetermined.join('; ') : 'nothing');
   add('pose, rotation w x y z', v.pose.rotation_wxyz.map(x => x.toFixed(8)).join(', '));
   add('pose, translation', v.pose.translation_mm.map(x => mm(x)).join(', ') + ' mm');
+  add.after(covarianceDetails(v));
+}
+// The covariance as result.json holds it, and as correlations; folded away.
+const kPoseComponents = ['rotation x', 'rotation y', 'rotation z', 'translation x', 'translation y', 'translation z'];
+function covarianceDetails(v) {
+  const c = v.pose_covariance, u = c.map((row, k) => Math.sqrt(Math.max(row[k], 0)));
+  const unit = k => k < 3 ? '\u00b5rad' : '\u00b5m', scale = k => k < 3 ? 1e6 : 1e3;
+  const rows = cell => kPoseComponents.map((name, r) => [`${name}, ${unit(r)}`, ...kPoseComponents.map((_, k) => cell(r, k))]);
+  const headings = kPoseComponents.map((name, k) => `${name}, ${unit(k)}`);
+  const known = (r, k) => u[r] > 0 && u[k] > 0;  // zero: locked, or not determined
+  return element('details', {class: 'covariance'}, element('summary', {}, 'Covariance of the pose, 6 x 6'),
+    element('p', {class: 'quiet'}, 'Of small rotations about the axes of the part through the scan\u2019s centroid at ' + v.pose_covariance_pivot_mm.map(x => mm(x, 3)).join(', ') +
+      ' mm, and of the centroid\u2019s translations. An element has the unit of its row times that of its column: \u00b5rad\u00b2, \u00b5rad \u00b5m, \u00b5m\u00b2.'),
+    element('div', {class: 'scroll'}, table(['Covariance', ...headings], rows((r, k) => short(scale(r) * scale(k) * c[r][k])))),
+    element('div', {class: 'scroll'}, table(['Correlation', ...kPoseComponents], kPoseComponents.map((name, r) => [name, ...kPoseComponents.map((_, k) => known(r, k) ? mm(c[r][k] / (u[r] * u[k]), 3) : '\u2013')]))));
 }
 const surfaceNames = ids => ids.length ? ids.map(id => data.surfaces[id] || String(id)).join(', ') : 'none: best fit on all that was measured';
 
@@ -739,6 +758,9 @@ function selfTest() {
     }
     if (part) { state.interpolate = true; update(); draw(); const again = new Uint8Array(pixels.length); gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, again); let differ = 0; for (let i = 0; i < again.length; i += 4) if (again[i] !== pixels[i]) ++differ; found.surface_differs = differ; }
   }
+  const covariances = document.querySelectorAll('details.covariance');
+  found.covariances = covariances.length;
+  found.correlations_of_one = [...covariances].flatMap(c => [...c.querySelectorAll('td')]).filter(cell => cell.textContent === '1.000').length;
   document.body.append(element('pre', {id: 'selftest'}, JSON.stringify(found)));
 }
 if (location.hash === '#selftest') selfTest();

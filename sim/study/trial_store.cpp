@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -256,19 +256,40 @@ std::uint64_t TrialStore::trial_end() const {
   return static_cast<std::uint64_t>(last.integer(0));
 }
 
-std::vector<std::pair<std::uint64_t, double>> TrialStore::column(std::uint32_t case_number,
-                                                                 std::size_t quantity,
-                                                                 const TrialRange& range) const {
-  Query rows =
-      database_->query("SELECT trial, " + quoted(identity_.quantities[quantity].name) +
-                       " FROM trials WHERE trial >= ? AND trial < ? AND case_number = ? AND failure IS "
-                       "NULL ORDER BY trial");
+void TrialStore::for_each_value(std::span<const Cell> cells, const TrialRange& range, const Row& row) const {
+  // Each case is the table once more. CROSS JOIN: SQLite keeps the order, by trial and then by the key.
+  std::vector<std::uint32_t> cases;
+  std::string columns, tables, conditions;
+  for (const Cell& cell : cells) {
+    auto place = std::find(cases.begin(), cases.end(), cell.case_number) - cases.begin();
+    if (place == std::ssize(cases)) {
+      cases.push_back(cell.case_number);
+      tables += fmt::format("{}trials AS c{}", place == 0 ? "" : " CROSS JOIN ", place);
+      conditions +=
+          fmt::format(" AND c{0}.case_number = {1} AND c{0}.failure IS NULL AND c{0}.trial = c0.trial", place,
+                      cell.case_number);
+    }
+    columns += fmt::format(", c{}.{}", place, quoted(identity_.quantities[cell.quantity].name));
+  }
+  Query rows = database_->query(
+      fmt::format("SELECT c0.trial{} FROM {} WHERE c0.trial >= ? AND c0.trial < ?{} ORDER BY c0.trial",
+                  columns, tables, conditions));
+  rows.bind(1, static_cast<std::int64_t>(range.begin)).bind(2, static_cast<std::int64_t>(range.end));
+  std::vector<double> values(cells.size());
+  while (rows.step()) {
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = rows.number(static_cast<int>(i) + 1);
+    row(static_cast<std::uint64_t>(rows.integer(0)), values);
+  }
+}
+
+bool TrialStore::has_result(std::uint32_t case_number, const TrialRange& range) const {
+  Query rows = database_->query(
+      "SELECT trial FROM trials WHERE trial >= ? AND trial < ? AND case_number = ? AND failure IS NULL LIMIT "
+      "1");
   rows.bind(1, static_cast<std::int64_t>(range.begin))
       .bind(2, static_cast<std::int64_t>(range.end))
       .bind(3, static_cast<std::int64_t>(case_number));
-  std::vector<std::pair<std::uint64_t, double>> values;
-  while (rows.step()) values.emplace_back(static_cast<std::uint64_t>(rows.integer(0)), rows.number(1));
-  return values;
+  return rows.step();
 }
 
 std::vector<TrialStore::FailureCount> TrialStore::failures(std::uint32_t case_number,

@@ -11,11 +11,11 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "sim/study/trial.h"
@@ -49,10 +49,16 @@ class TrialStore {
   std::uint64_t trial_count() const;  // trials held, of any number
   std::uint64_t trial_end() const;    // one past the last trial held
 
-  // Trials of one case that have a result, by number within `range`: the values of one quantity. A value that
-  // does not exist is NaN.
-  std::vector<std::pair<std::uint64_t, double>> column(std::uint32_t case_number, std::size_t quantity,
-                                                       const TrialRange& range) const;
+  // One quantity of one case.
+  struct Cell {
+    std::uint32_t case_number = 0;
+    std::size_t quantity = 0;
+  };
+  // Calls `row` for every trial of `range` that has a result in the cases of all cells, in order: its number
+  // and the value of each cell, NaN where it does not exist. One row at a time is in memory.
+  using Row = std::function<void(std::uint64_t trial, std::span<const double> values)>;
+  void for_each_value(std::span<const Cell> cells, const TrialRange& range, const Row& row) const;
+  bool has_result(std::uint32_t case_number, const TrialRange& range) const;
 
   struct FailureCount {
     std::string failure;

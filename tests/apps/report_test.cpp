@@ -1,8 +1,8 @@
 // The report of a run: result.json keeps its schema; the page opens in headless Chromium without a console
 // error, shows a picture that is not empty, lets a point be picked and colours the surface; `report` makes
 // the same files again and says what a folder lacks; `compare` tells what changed; views and features that
-// fail leave the rest of the report. Tests that need Chromium or python3-jsonschema are skipped where these
-// are absent.
+// fail leave the rest of the report; one view that is left is judged from the datum. Tests that need Chromium
+// or python3-jsonschema are skipped where these are absent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -83,6 +83,9 @@ TEST_F(ReportTest, OpensInARealBrowser) {
   EXPECT_GT(found["pose_differs"].get<int>(), 500) << found;
   EXPECT_GT(found["pose_moves_mm"].get<double>(), 0.0) << found;
   EXPECT_LT(found["pose_moves_mm"].get<double>(), 0.02) << found;
+  // Of two views and of both together; the diagonals of the correlations.
+  EXPECT_EQ(found["covariances"].get<int>(), 3) << found;
+  EXPECT_EQ(found["correlations_of_one"].get<int>(), 3 * 6) << found;
 }
 
 TEST_F(ReportTest, IsMadeAgainFromTheFolder) {
@@ -251,6 +254,37 @@ TEST(FailedView, IsLackedByAViewThatIsReported) {
   EXPECT_NE(views[1]["failure"].get<std::string>().find("none of"), std::string::npos);
   for (const char* file : {"front.png", "deviations_front.ply", "report.html", "statistics.csv"})
     EXPECT_TRUE(std::filesystem::exists(folder / "run" / file)) << file;
+
+  // The view keeps its best fit; the part is judged from the datum, one face, which leaves three freedoms
+  // open.
+  lost.replace(lost.find("cube.obj"), 8, "six.obj");
+  folder.write("six.obj", cube_of_six_surfaces());
+  folder.write("datum.yaml", lost + "inspection: {datum_surfaces: [\"1\"]}\n");
+  run_trueblade({"inspect", "datum.yaml", "--seed", "6", "--out", "datum"}, folder.path());
+  const Json document = Json::parse(text_of(folder / "datum/result.json"));
+  EXPECT_EQ(document["views"][0]["undetermined"].size(), 0u);
+  ASSERT_TRUE(document["joint"].is_object()) << document["missing"];
+  EXPECT_EQ(document["joint"]["undetermined"].size(), 3u);
+  ASSERT_EQ(document["joint"]["views"].size(), 1u);
+  EXPECT_EQ(document["joint"]["views"][0]["view"], "front");
+}
+
+// Of the blade at this spacing, with this seed, a point at the border of the airfoil comes with one pose and
+// goes with the next.
+TEST(Groups, APointAtTheBorderDoesNotLeadTheFitRoundInACircle) {
+  const CubeFolder folder;
+  std::string text = text_of(std::filesystem::path(TRUEBLADE_SOURCE_DIR) / "scenarios/blade_inspection.yaml");
+  const std::size_t spacing = text.find("spacing_mm: 0.3"), sections = text.find("  sections:");
+  ASSERT_NE(spacing, std::string::npos);
+  ASSERT_NE(sections, std::string::npos);
+  text.erase(sections, text.find('\n', sections) + 1 - sections);
+  text.replace(spacing, 15, "spacing_mm: 0.6");
+  text.erase(text.find("expect_part:"));
+  folder.write("blade.yaml", text);
+  run_trueblade({"inspect", "blade.yaml", "--seed", "6", "--out", "run"}, folder.path());
+  const Json document = Json::parse(text_of(folder / "run/result.json"));
+  EXPECT_TRUE(document["missing"].empty()) << document["missing"];
+  EXPECT_EQ(document["offsets"].size(), 1u);
 }
 
 }  // namespace

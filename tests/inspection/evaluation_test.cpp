@@ -1,7 +1,7 @@
 // Covers: the displacement of one group of surfaces against another, in closed form and within its stated
 // uncertainty; a component that is not determined; the joint registration of two views and the difference
-// between them; datum surfaces; unknown surfaces, no views: the rest is made and what is missing is named;
-// the selection of surfaces by id, range and name.
+// between them; datum surfaces, of one view too; unknown surfaces, no views: the rest is made and what is
+// missing is named; the selection of surfaces by id, range and name.
 #include "inspection/evaluation.h"
 
 #include <gtest/gtest.h>
@@ -174,6 +174,31 @@ TEST(Evaluation, DatumSurfacesAreFittedAlone) {
   EXPECT_NEAR(on_first.part_from_mcs.translation_mm.norm(), 0.0, 1e-7);
   EXPECT_NEAR((on_second.part_from_mcs.translation_mm - Vec3(0, -0.05, 0)).norm(), 0.0, 1e-7);
   EXPECT_EQ(on_first.first_rms_mm, best.first_rms_mm);
+}
+
+// The second cube stands 0.05 mm off. Its points are as many as the first one's, so that the best fit lies in
+// between; judged from the first as the datum it is 0.05 mm off at one face and the same at the other.
+TEST(Evaluation, AnOnlyViewIsJudgedFromTheDatumSurfaces) {
+  const Part part = two_cubes();
+  const RegistrationTarget target(part);
+  const RegistrationOptions options = preset("default");
+  ScanPoints scan;
+  add_faces(scan, Vec3::Zero(), {}, 0.0);
+  add_faces(scan, kSecondCentre, displaced(Vec3::Zero(), Vec3(0, 0.05, 0), Vec3::Zero()), 0.0);
+  EvaluationSpec spec;
+  spec.profiles = {{"second", {"second*"}, {-0.04, 0.04}}};
+  spec.datum_surfaces = {0, 1, 2, 3, 4, 5};
+  for (const bool on_datum : {false, true}) {
+    const RegistrationResult own = register_to_datum(
+        target, scan, {}, options, on_datum ? spec.datum_surfaces : std::vector<std::uint32_t>{});
+    const Deviations deviations = deviations_of(part, scan, own.part_from_mcs);
+    spec.views_on_datum = on_datum;
+    const EvaluationResult result = evaluate_together(spec, target, options, DeviationSurface::facets,
+                                                      {{"left", &scan, &own, &deviations}});
+    ASSERT_EQ(result.profiles.size(), 1U);
+    EXPECT_NEAR(result.profiles[0].profile_mm, 0.1, 1e-6) << on_datum;
+    EXPECT_EQ(result.joint.has_value(), !on_datum);  // the view's own registration is all that is needed
+  }
 }
 
 TEST(Evaluation, WhatFailsIsNamedAndTheRestIsMade) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -41,6 +42,16 @@ class TrialStoreTest : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+std::vector<std::pair<std::uint64_t, std::vector<double>>> rows_of(const TrialStore& store,
+                                                                   const std::vector<TrialStore::Cell>& cells,
+                                                                   const TrialRange& range) {
+  std::vector<std::pair<std::uint64_t, std::vector<double>>> rows;
+  store.for_each_value(cells, range, [&](std::uint64_t trial, std::span<const double> values) {
+    rows.emplace_back(trial, std::vector<double>(values.begin(), values.end()));
+  });
+  return rows;
+}
+
 std::string message_of(const std::function<void()>& action) {
   try {
     action();
@@ -53,13 +64,34 @@ std::string message_of(const std::function<void()>& action) {
 TEST_F(TrialStoreTest, RowsComeBackInOrder) {
   TrialStore store(file(), identity());
   for (const std::uint64_t number : {7u, 2u, 5u}) store.write(trial(number));
-  const auto column = store.column(0, 0, {0, 10});
+  const auto column = rows_of(store, {{0, 0}}, {0, 10});
   ASSERT_EQ(column.size(), 3u);
   EXPECT_EQ(column[0].first, 2u);
-  EXPECT_EQ(column[0].second, 1.0 / 3.0);
+  EXPECT_EQ(column[0].second[0], 1.0 / 3.0);
   EXPECT_EQ(column[2].first, 7u);
-  EXPECT_TRUE(std::isnan(store.column(1, 1, {0, 10})[0].second));
-  EXPECT_EQ(store.column(0, 0, {3, 6}).size(), 1u);
+  EXPECT_TRUE(std::isnan(rows_of(store, {{1, 1}}, {0, 10})[0].second[0]));
+  EXPECT_EQ(rows_of(store, {{0, 0}}, {3, 6}).size(), 1u);
+}
+
+// Case 1 has no result in trials 0, 3 and 6, and no second value in any.
+TEST_F(TrialStoreTest, ReadsCellsOfSeveralCasesTrialByTrial) {
+  TrialStore store(file(), identity());
+  for (const std::uint64_t number : {6u, 4u, 1u, 0u, 3u, 2u}) store.write(trial(number));
+  const auto rows = rows_of(store, {{1, 0}, {0, 1}, {0, 0}, {1, 1}}, {1, 7});
+  const std::array<std::uint64_t, 3> expected{1, 2, 4};
+  ASSERT_EQ(rows.size(), expected.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& [number, values] = rows[i];
+    EXPECT_EQ(number, expected[i]);
+    const double value = 1.0 / (1.0 + static_cast<double>(number));
+    EXPECT_EQ(values[0], value / 3.0);
+    EXPECT_EQ(values[1], -value);
+    EXPECT_EQ(values[2], value);
+    EXPECT_TRUE(std::isnan(values[3]));
+  }
+  EXPECT_TRUE(store.has_result(1, {0, 2}));
+  EXPECT_FALSE(store.has_result(1, {0, 1}));
+  EXPECT_FALSE(store.has_result(0, {7, 9}));
 }
 
 TEST_F(TrialStoreTest, KnowsWhatIsMissing) {
@@ -83,7 +115,7 @@ TEST_F(TrialStoreTest, CountsFailuresByReason) {
   EXPECT_EQ(failures[0].failure, "no points");
   EXPECT_EQ(failures[0].count, 2u);
   EXPECT_EQ(failures[0].first_trial, 3u);
-  EXPECT_EQ(store.column(1, 0, {1, 7}).size(), 4u);
+  EXPECT_EQ(rows_of(store, {{1, 0}}, {1, 7}).size(), 4u);
   EXPECT_TRUE(store.failures(0, {0, 7}).empty());
 }
 
