@@ -36,11 +36,7 @@ bool is_inner(const std::vector<double>& heights_mm, double height_mm) {
 
 SurfaceDisplacement displacement_of(const VirtualPart& part) {
   return [&part](const Vec3& point_mm, const Vec3& normal) -> Vec3 {
-    if (!part.field) return Vec3::Zero();
-    const Vec3 displacement_mm = part.field->displacement_mm(point_mm, normal);
-    // Facets move as they are told; an exact surface moves along its normal (sim/virtual_part.cpp).
-    if (part.mode == PartSurfaceMode::facets) return displacement_mm;
-    return normal.dot(displacement_mm) * normal;
+    return part.field ? part.field->displacement_mm(point_mm, normal) : Vec3(Vec3::Zero());
   };
 }
 
