@@ -52,11 +52,11 @@ KnownSection::KnownSection(const RegistrationTarget& target, const SectionsSpec&
 
 SectionResult KnownSection::features(const SurfaceDisplacement& displacement) const {
   std::vector<Vec2> displaced_mm;
-  std::vector<SectionPoint> deviations;
+  std::vector<PlacedPoint> placed;
   for (std::size_t i = 0; i < outline_.size(); ++i) {
     const Vec2 moved_mm = displacement_in_section(plane_, normal_[i], displacement(point_mm_[i], normal_[i]));
     displaced_mm.push_back(outline_.point_mm[i] + moved_mm);
-    deviations.push_back({i, outline_.normal[i].dot(moved_mm)});
+    placed.push_back({i, displaced_mm.back()});
   }
   const SectionOutline displaced = outline_through(displaced_mm);
 
@@ -82,7 +82,7 @@ SectionResult KnownSection::features(const SurfaceDisplacement& displacement) co
     const std::vector<std::size_t> region = edge_region(outline_, apex, direction);
     add(radius_mm(outline_, region), radius_mm(displaced, region));
   }
-  const auto fit = fit_section_rigidly(outline_, deviations, stretches_mm(outline_));
+  const auto fit = fit_section_rigidly(outline_, placed, stretches_mm(outline_));
   for (Eigen::Index k = 0; k < 3; ++k) add(0.0, fit ? fit->twist_and_shift[k] : kNoValue);
   return result;
 }

@@ -199,11 +199,15 @@ void add_rigid_features(const SectionOutline& outline, const SectionCurve& curve
   std::string reason;
   std::optional<SectionRigidFit> fit;
   std::vector<double> weight_mm;
-  for (const SectionPoint& point : section) weight_mm.push_back(curve.weight_mm(point.outline_point));
+  std::vector<PlacedPoint> placed;
+  for (const auto& [place, deviation_mm] : section) {
+    weight_mm.push_back(curve.weight_mm(place));
+    placed.push_back({place, outline.point_mm[place] + deviation_mm * outline.normal[place]});
+  }
   if (curve.supported_share() < kLeastShare)
     reason = fmt::format("points on {:.0f} % of the outline, {:.0f} % are needed",
                          100.0 * curve.supported_share(), 100.0 * kLeastShare);
-  else if (fit = fit_section_rigidly(outline, section, weight_mm); !fit)
+  else if (fit = fit_section_rigidly(outline, placed, weight_mm); !fit)
     reason = "the points determine no displacement";
   for (std::size_t k = 0; k < features.size(); ++k) {
     features[k].reason = reason;
