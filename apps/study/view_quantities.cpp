@@ -125,7 +125,7 @@ std::vector<double> values_of_view(const SelectedSurfaces& selected, const Scena
   const Vec3& pivot = result.centroid_part_mm;
   const Vec6 error = step_between(registered.true_part_from_mcs, result.part_from_mcs, pivot);
   values.insert(values.end(), error.begin(), error.end());
-  values.push_back(error.head<3>().norm());
+  values.push_back(rotation_angle_between(result.part_from_mcs, registered.true_part_from_mcs));
   values.push_back(error.tail<3>().norm());
   values.push_back(static_cast<double>(scan.size()));
   values.push_back(wanted[values.size()] ? rms_distance_mm(target.tree(), scan.position_mcs_mm,
