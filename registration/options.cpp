@@ -44,7 +44,8 @@ void validate_values(const RegistrationOptions& o) {
   require(o.rejection.welsch_constant >= 1.0 && std::isfinite(o.rejection.welsch_constant),
           "rejection.welsch_constant", o.rejection.welsch_constant, "finite and at least 1");
   require(o.acceleration.maximum_angle_rad > 0.0 && o.acceleration.maximum_angle_rad <= kPi / 2.0,
-          "acceleration.maximum_angle_rad", o.acceleration.maximum_angle_rad, "above 0 and at most pi/2");
+          "acceleration.maximum_angle_deg", o.acceleration.maximum_angle_rad * 180.0 / kPi,
+          "above 0 and at most 90 degrees");  // as files give it
   above_zero("acceleration.maximum_length_ratio", o.acceleration.maximum_length_ratio);
   require(o.acceleration.anderson_depth >= 1 && o.acceleration.anderson_depth <= 20,
           "acceleration.anderson_depth", o.acceleration.anderson_depth, "1 to 20");
@@ -84,7 +85,7 @@ void refuse_without_effect(const RegistrationOptions& o) {
   constexpr std::string_view kExtrapolation = "acceleration.method extrapolation";
   needs(a.length != a0.length, extrapolates, "acceleration.length", kExtrapolation);
   needs(a.part != a0.part, extrapolates, "acceleration.part", kExtrapolation);
-  needs(a.maximum_angle_rad != a0.maximum_angle_rad, extrapolates, "acceleration.maximum_angle_rad",
+  needs(a.maximum_angle_rad != a0.maximum_angle_rad, extrapolates, "acceleration.maximum_angle_deg",
         kExtrapolation);
   needs(a.maximum_length_ratio != a0.maximum_length_ratio, extrapolates, "acceleration.maximum_length_ratio",
         kExtrapolation);
