@@ -141,9 +141,10 @@ struct RayCaster::Impl {
   std::optional<SceneRay> in_scene(const Ray& ray, double min_range_mm, double max_range_mm,
                                    double slack) const;
 
-  // The facets that Embree gives for up to kPacket rays, or RTC_INVALID_GEOMETRY_ID; they are on their way
-  // from memory then.
-  void facets_of_packet(std::span<const std::optional<SceneRay>> rays, std::uint32_t* facets_met) const;
+  // The facets that Embree gives for rays, packet by packet, or RTC_INVALID_GEOMETRY_ID; they are on their
+  // way from memory then.
+  void facets_met(std::span<const std::optional<SceneRay>> rays, std::uint32_t* met) const;
+  void facets_of_packet(std::span<const std::optional<SceneRay>> rays, std::uint32_t* met) const;
 
   // From the facet that Embree gave, or RTC_INVALID_GEOMETRY_ID, to the hit.
   std::optional<RayHit> first_hit(const Ray& ray, const SceneRay& scene_ray, std::uint32_t facet_of_embree,
@@ -340,7 +341,7 @@ std::optional<RayHit> RayCaster::Impl::first_hit(const Ray& ray, const SceneRay&
 }
 
 void RayCaster::Impl::facets_of_packet(std::span<const std::optional<SceneRay>> rays,
-                                       std::uint32_t* facets_met) const {
+                                       std::uint32_t* met) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
@@ -363,12 +364,17 @@ void RayCaster::Impl::facets_of_packet(std::span<const std::optional<SceneRay>> 
   }
   rtcIntersect16(valid.data(), scene.get(), &context, &query);
   for (std::size_t k = 0; k < rays.size(); ++k) {
-    facets_met[k] = query.hit.primID[k];
-    if (facets_met[k] == RTC_INVALID_GEOMETRY_ID) continue;
-    const char* const facet = reinterpret_cast<const char*>(&facets[facets_met[k]]);
+    met[k] = query.hit.primID[k];
+    if (met[k] == RTC_INVALID_GEOMETRY_ID) continue;
+    const char* const facet = reinterpret_cast<const char*>(&facets[met[k]]);
     __builtin_prefetch(facet);
     __builtin_prefetch(facet + 64);
   }
+}
+
+void RayCaster::Impl::facets_met(std::span<const std::optional<SceneRay>> rays, std::uint32_t* met) const {
+  for (std::size_t begin = 0; begin < rays.size(); begin += kPacket)
+    facets_of_packet(rays.subspan(begin, std::min(kPacket, rays.size() - begin)), met + begin);
 }
 
 RayCaster::RayCaster(const FacetModel& model) : impl_(std::make_unique<Impl>(model)) {}
@@ -394,9 +400,7 @@ void RayCaster::first_hits(std::span<const Ray> rays, double min_range_mm, doubl
     const std::size_t count = std::min(kTogether, rays.size() - begin);
     for (std::size_t k = 0; k < count; ++k)
       scene_rays[k] = impl_->in_scene(rays[begin + k], min_range_mm, max_range_mm, kRangeSlack);
-    for (std::size_t packet = 0; packet < count; packet += kPacket)
-      impl_->facets_of_packet(std::span(scene_rays).subspan(packet, std::min(kPacket, count - packet)),
-                              facets.data() + packet);
+    impl_->facets_met(std::span(scene_rays).first(count), facets.data());
     for (std::size_t k = 0; k < count; ++k)
       hits[begin + k] = scene_rays[k] ? impl_->first_hit(rays[begin + k], *scene_rays[k], facets[k],
                                                          min_range_mm, max_range_mm)
@@ -418,9 +422,7 @@ void RayCaster::blocked_lines(std::span<const LineOfSight> lines, std::span<bool
       // Without slack: a surface from which lines begin would be met by every one of them.
       scene_rays[k] = impl_->in_scene(rays[k], 0.0, lengths_mm[k], 0.0);
     }
-    for (std::size_t packet = 0; packet < count; packet += kPacket)
-      impl_->facets_of_packet(std::span(scene_rays).subspan(packet, std::min(kPacket, count - packet)),
-                              facets.data() + packet);
+    impl_->facets_met(std::span(scene_rays).first(count), facets.data());
     for (std::size_t k = 0; k < count; ++k)
       blocked[begin + k] =
           scene_rays[k] && impl_->first_hit(rays[k], *scene_rays[k], facets[k], 0.0, lengths_mm[k]);

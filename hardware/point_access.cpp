@@ -3,19 +3,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "hardware/aperture.h"
 
 namespace trueblade {
-namespace {
-
-// A beam ends on the surface: what it meets within this distance before the point is the point's own
-// surroundings (chord height of a facet's neighbours at grazing incidence).
-constexpr double kOwnSurfaceMm = 0.05;
-
-constexpr int kApertureRays = 8;
-
-}  // namespace
-
 std::string to_string(PointAccess access) {
   switch (access) {
     case PointAccess::measurable:
@@ -63,16 +54,13 @@ bool AccessCheck::is_hidden(const Vec3& point_mm, const Vec3& beam) const {
 
 bool AccessCheck::is_blocked(const Vec3& point_mm, const Vec3& beam) const {
   if (aperture_radius_mm_ == 0.0) return false;
-  const Vec3 u = beam.unitOrthogonal(), v = beam.cross(u);
-  int blocked = 0;
-  for (int k = 0; k < kApertureRays; ++k) {
-    const double angle = 2.0 * std::numbers::pi * k / kApertureRays;
-    const Vec3 to_rim =
-        -standoff_mm_ * beam + aperture_radius_mm_ * (std::cos(angle) * u + std::sin(angle) * v);
+  std::size_t blocked = 0;
+  for (const Vec3& rim_mm : aperture_rim_mm(point_mm - standoff_mm_ * beam, beam, aperture_radius_mm_)) {
+    const Vec3 to_rim = rim_mm - point_mm;
     const double length_mm = to_rim.norm();
     blocked += caster_.first_hit({point_mm, to_rim / length_mm}, kOwnSurfaceMm, length_mm) ? 1 : 0;
   }
-  return 2 * blocked > kApertureRays;
+  return 2 * blocked > kRimPoints;
 }
 
 }  // namespace trueblade

@@ -17,10 +17,15 @@ struct Beside {
   Vec2 foot_mm;
 };
 
-double squared_distance_mm2(const Vec2& point, const Vec2& from, const Vec2& to) {
+// The place of a segment that is nearest to a point: its share of the way from one end to the other.
+struct SegmentPlace {
+  double along;
+  double squared_distance_mm2;
+};
+SegmentPlace nearest_place(const Vec2& point, const Vec2& from, const Vec2& to) {
   const Vec2 way = to - from;
   const double along = std::clamp((point - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-  return (from + along * way - point).squaredNorm();
+  return {along, (from + along * way - point).squaredNorm()};
 }
 
 // Walks along the outline from `start` for as long as it comes nearer.
@@ -33,12 +38,13 @@ Beside beside(const SectionOutline& outline, const Vec2& point, std::size_t star
 
   const std::size_t before = (nearest + n - 1) % n, after = (nearest + 1) % n;
   const Vec2& here = outline.point_mm[nearest];
-  const bool goes_on = squared_distance_mm2(point, here, outline.point_mm[after]) <=
-                       squared_distance_mm2(point, outline.point_mm[before], here);
+  const SegmentPlace on_next = nearest_place(point, here, outline.point_mm[after]);
+  const SegmentPlace on_last = nearest_place(point, outline.point_mm[before], here);
+  const bool goes_on = on_next.squared_distance_mm2 <= on_last.squared_distance_mm2;
   const std::size_t from = goes_on ? nearest : before, to = goes_on ? after : nearest;
   const Vec2 way = outline.point_mm[to] - outline.point_mm[from];
   const Vec2 across = Vec2(way.y(), -way.x()).normalized();  // the material lies on the left
-  const double along = std::clamp((point - outline.point_mm[from]).dot(way) / way.squaredNorm(), 0.0, 1.0);
+  const double along = goes_on ? on_next.along : on_last.along;
   const double signed_mm = across.dot(point - here);
   return {nearest, signed_mm,
           ((1.0 - along) * outline.normal[from] + along * outline.normal[to]).normalized(),

@@ -4,36 +4,22 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "hardware/aperture.h"
 
 namespace trueblade {
 namespace {
 
-constexpr std::size_t kRimPoints = 8;
 // Points whose ways to the rim are cast together.
 constexpr std::size_t kTogether = 8;
 
-// Unit vectors to the rim, across the beam.
-std::array<Vec2, kRimPoints> rim() {
-  std::array<Vec2, kRimPoints> points;
-  for (std::size_t k = 0; k < kRimPoints; ++k) {
-    const double angle = 2.0 * std::numbers::pi * static_cast<double>(k) / kRimPoints;
-    points[k] = {std::cos(angle), std::sin(angle)};
-  }
-  return points;
-}
-
 void ways_to_rim(const VirtualPart& part, const Ray& beam, const PartHit& hit, double aperture_radius_mm,
                  std::span<LineOfSight, kRimPoints> ways) {
-  static const std::array<Vec2, kRimPoints> kRim = rim();
-  // What stands this near is the surroundings of the point itself, as in the plan (point_access.cpp).
-  constexpr double kOwnSurfaceMm = 0.05;
   const Vec3 point = beam.origin_mm + hit.range_mm * beam.direction;
-  const Vec3 u = aperture_radius_mm * beam.direction.unitOrthogonal(), v = beam.direction.cross(u);
   // All are as long.
   const double length_mm = std::hypot(hit.range_mm, aperture_radius_mm);
-  for (std::size_t k = 0; k < kRimPoints; ++k)
-    ways[k].to_mm = beam.origin_mm + kRim[k].x() * u + kRim[k].y() * v;
+  const auto rim_mm = aperture_rim_mm(beam.origin_mm, beam.direction, aperture_radius_mm);
+  for (std::size_t k = 0; k < kRimPoints; ++k) ways[k].to_mm = rim_mm[k];
   double start_mm = kOwnSurfaceMm;
   if (hit.refined) {
     // A point on the CAD surface may lie under its facets by the chord tolerance.

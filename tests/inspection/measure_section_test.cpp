@@ -310,16 +310,20 @@ TEST(KnownSection, ALayerCutObliquely) {
   EXPECT_NEAR(section.find("chord")->deviation(), 0.1, 1e-4);
 }
 
+SectionOutline ellipse(double half_length_mm, double half_width_mm, int points) {
+  std::vector<Vec2> points_mm;
+  for (int i = 0; i < points; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / points;
+    points_mm.emplace_back(half_length_mm * std::cos(angle), half_width_mm * std::sin(angle));
+  }
+  return outline_through(points_mm);
+}
+
 // An ellipse whose ends have a radius of 1.5^2 / 10 = 0.22 mm, moved by half of that: every point lies on the
 // moved outline, so that the fit has no residual but at the true motion. The linear fit would be off by
 // micrometres.
 TEST(SectionRigidFit, FindsAMotionAsLargeAsTheEdgeIsRound) {
-  std::vector<Vec2> points_mm;
-  for (int i = 0; i < 4000; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / 4000.0;
-    points_mm.emplace_back(10.0 * std::cos(angle), 1.5 * std::sin(angle));
-  }
-  const SectionOutline outline = outline_through(points_mm);
+  const SectionOutline outline = ellipse(10.0, 1.5, 4000);
   const double twist_rad = 0.005;
   const Vec2 shift_mm(0.03, -0.1);
   std::vector<PlacedPoint> placed;
@@ -336,12 +340,7 @@ TEST(SectionRigidFit, FindsAMotionAsLargeAsTheEdgeIsRound) {
 }
 
 TEST(SectionRigidFit, ACircleTellsNoTwist) {
-  std::vector<Vec2> points_mm;
-  for (int i = 0; i < 360; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / 360.0;
-    points_mm.emplace_back(10.0 * std::cos(angle), 10.0 * std::sin(angle));
-  }
-  const SectionOutline outline = outline_through(points_mm);
+  const SectionOutline outline = ellipse(10.0, 10.0, 360);
   std::vector<PlacedPoint> placed;
   for (std::size_t i = 0; i < outline.size(); ++i) placed.push_back({i, outline.point_mm[i]});
   EXPECT_FALSE(fit_section_rigidly(outline, placed, std::vector<double>(placed.size(), 1.0)).has_value());
